@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/filter.h"
+#include "core/io/image.h"
+#include "core/params.h"
+#include "core/rgb.h"
+
+namespace brume {
+
+/// Filtered sums of one rectangle of samples; private to a thread until it is merged into the Film.
+class FilmTile {
+ public:
+  FilmTile(const Bounds2i& pixels, const Filter& filter, bool withVariance);
+  /// Adds radiance at a raster position to every pixel whose filter reaches it.
+  void addSample(Vec2 raster, const Rgb& L);
+  const Bounds2i& pixels() const { return pixels_; }
+
+  /// Per pixel, in double.
+  struct Sums {
+    double w = 0;              ///< sum of filter weights
+    double wL[3] = {0, 0, 0};  ///< sum of w L
+  };
+  /// For the variance of the pixel value: sum (w (L - mean))^2 / (sum w)^2.
+  struct Moments {
+    double w2 = 0;
+    double w2L[3] = {0, 0, 0}, w2L2[3] = {0, 0, 0};
+    std::uint64_t samples = 0;
+  };
+
+ private:
+  friend class Film;
+  Bounds2i pixels_;
+  const Filter& filter_;
+  std::vector<Sums> sums_;
+  std::vector<Moments> moments_;  // empty without variance
+};
+
+/// What the camera's light is gathered on. Sums are kept in double; tiles are merged in the order
+/// that the renderer fixes, so the image does not depend on the number of threads.
+class Film {
+ public:
+  static constexpr std::string_view kPluginKind = "Film";
+  struct FactoryContext {
+    const Filter* filter = nullptr;  ///< owned by the caller, outlives the film
+    std::string
+        outputName;  ///< --outfile, used when the scene names none; wins with a warning otherwise
+    std::optional<Vec2i> resolution;           ///< --resolution
+    std::optional<std::array<float, 4>> crop;  ///< --crop x0,x1,y0,y1
+    bool quick = false;
+    SourceLocation where;
+    Log* log = nullptr;
+  };
+  struct Settings {
+    Vec2i resolution{640, 480};
+    Bounds2i crop;  ///< pixels of the image that are rendered
+    std::string filename = "pbrt.exr";
+    PixelPrecision precision = PixelPrecision::Half;
+    bool withVariance = false;
+  };
+  virtual ~Film() = default;
+  Film(const Settings& settings, const Filter& filter);
+
+  const Settings& settings() const { return settings_; }
+  Vec2i resolution() const { return settings_.resolution; }
+  /// Pixels whose samples reach the crop window through the filter.
+  Bounds2i sampleBounds() const;
+  /// A tile for the samples in `samples`: its pixels reach as far as the filter, within the crop
+  /// window.
+  FilmTile makeTile(const Bounds2i& samples) const;
+  /// Adds a tile's sums. Not thread-safe; call in a fixed order.
+  void merge(const FilmTile& tile);
+  /// The image so far: R, G, B = max(0, sum w L / sum w), 0 where nothing fell; "variance.R/G/B"
+  /// [variance of the pixel value] and "samples" when asked for.
+  LayeredImage develop() const;
+  /// Square root of the mean over pixels and channels of variance / (value^2 + 0.01 mean^2): an
+  /// estimate of the relative error. Needs withVariance.
+  double estimatedRelativeError() const;
+
+ private:
+  Settings settings_;
+  const Filter& filter_;
+  std::vector<FilmTile::Sums> sums_;
+  std::vector<FilmTile::Moments> moments_;
+};
+
+}  // namespace brume

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+// The three kinds of integrator (DESIGN.md 4). Per camera ray: L = Li_surface Tr + Lv.
+#pragma once
+
+#include <memory>
+#include <string_view>
+
+#include "core/params.h"
+#include "core/ray.h"
+#include "core/sampler.h"
+#include "core/scene.h"
+#include "core/stats.h"
+
+namespace brume {
+
+/// What one thread changes while it renders.
+struct RenderContext {
+  SampleStream& samples;
+  Stats& stats;
+};
+
+/// What an integrator is made from, beside its parameters. The scene outlives it.
+struct IntegratorFactoryContext {
+  const Scene* scene = nullptr;
+  const Sampler* sampler = nullptr;  ///< for rounding sample counts
+  bool quick = false;
+  SourceLocation where;
+  Log* log = nullptr;
+};
+
+/// In-scattered and emitted radiance along a ray through the media, and what is left of the light
+/// behind.
+struct VolumeRadiance {
+  Rgb Lv;       ///< [W m^-2 sr^-1]
+  Rgb Tr{1.f};  ///< transmittance of the whole segment
+};
+
+class VolumeIntegrator {
+ public:
+  static constexpr std::string_view kPluginKind = "VolumeIntegrator";
+  using FactoryContext = IntegratorFactoryContext;
+  virtual ~VolumeIntegrator() = default;
+  /// Along (0, ray.tMax); tMax may be infinite.
+  virtual VolumeRadiance integrate(const Ray& ray, RenderContext& context) const = 0;
+  /// Tr alone: shadow rays and path segments.
+  virtual Rgb transmittance(const Ray& ray, RenderContext& context) const = 0;
+};
+
+/// Radiance along a ray, surfaces and media together. Surface integrators call it for specular
+/// bounces, the tile renderer for camera rays; per-ray global integrators implement it.
+class RayRadiance {
+ public:
+  virtual ~RayRadiance() = default;
+  /// depth counts specular bounces so far, 0 for camera rays.
+  virtual Rgb Li(const FootprintRay& ray, int depth, RenderContext& context) const = 0;
+};
+
+/// The parts of the scene that a surface integrator works with.
+struct SurfaceQuery {
+  const FootprintRay& ray;
+  const SurfaceInteraction& hit;
+  int depth = 0;
+  const RayRadiance& radiance;    ///< for specular bounces
+  const VolumeIntegrator& media;  ///< for transmittance
+};
+
+class SurfaceIntegrator {
+ public:
+  static constexpr std::string_view kPluginKind = "SurfaceIntegrator";
+  using FactoryContext = IntegratorFactoryContext;
+  virtual ~SurfaceIntegrator() = default;
+  /// Radiance leaving the hit towards the ray's origin, before attenuation on the way.
+  virtual Rgb Li(const SurfaceQuery& query, RenderContext& context) const = 0;
+};
+
+/// Replaces surface and volume integrator and owns the image loop. Those that answer per ray derive
+/// from RayGlobalIntegrator.
+class GlobalIntegrator {
+ public:
+  static constexpr std::string_view kPluginKind = "GlobalIntegrator";
+  using FactoryContext = IntegratorFactoryContext;
+  virtual ~GlobalIntegrator() = default;
+};
+
+/// A global integrator that answers per camera ray: the tile renderer runs it.
+class RayGlobalIntegrator : public GlobalIntegrator, public RayRadiance {};
+
+}  // namespace brume

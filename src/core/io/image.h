@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+// Images in memory and their files: EXR (all channels, metadata), PNG, PFM, TGA, JPEG, HDR.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "core/math.h"
+#include "core/rgb.h"
+
+namespace brume {
+
+/// RGB floats, linear, row-major, first row at the top.
+struct RgbImage {
+  int width = 0, height = 0;
+  std::vector<Rgb> pixels;
+
+  RgbImage() = default;
+  RgbImage(int w, int h)
+      : width(w), height(h), pixels(static_cast<std::size_t>(w) * static_cast<std::size_t>(h)) {}
+  Rgb& at(int x, int y) {
+    return pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
+                  static_cast<std::size_t>(x)];
+  }
+  const Rgb& at(int x, int y) const {
+    return pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
+                  static_cast<std::size_t>(x)];
+  }
+};
+
+/// An image with any number of named channels ("R", "variance.R", "depth.Z", ...), a data window
+/// inside a display window, and text metadata: what an EXR file holds.
+struct LayeredImage {
+  Vec2i displaySize{0};  ///< full resolution
+  Bounds2i dataWindow;   ///< pixels that are stored
+  std::map<std::string, std::vector<float>>
+      channels;  ///< each dataWindow.area() values, row-major from the top
+  std::map<std::string, std::string> metadata;
+
+  bool has(const std::string& channel) const { return channels.count(channel) != 0; }
+};
+
+enum class PixelPrecision { Half, Float };
+
+/// Reads the file by its extension (.exr .png .pfm .tga .jpg .hdr). EXR: all channels; the others
+/// R, G, B (8-bit values / 255, no gamma decode). Throws SceneError with the reason for a missing,
+/// foreign, truncated or oversized file.
+LayeredImage readLayeredImage(const std::string& path);
+/// R, G, B of the above (a lone luminance channel Y is copied to all three).
+RgbImage readImage(const std::string& path);
+
+/// Writes by extension: .exr (everything), .pfm (float RGB), .png (sRGB), .tga (sRGB). The file
+/// appears whole or not at all: it is written beside its place and renamed. Throws SceneError with
+/// the reason.
+void writeImage(const std::string& path, const LayeredImage& image,
+                PixelPrecision precision = PixelPrecision::Float);
+/// Whether `path` has an extension that writeImage knows.
+bool isWritableImageName(const std::string& path);
+/// Throws SceneError when `path` cannot be written (directory missing or read-only), without
+/// leaving a file.
+void checkWritable(const std::string& path);
+
+}  // namespace brume

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <string_view>
+
+#include "core/interaction.h"
+#include "core/params.h"
+#include "core/shape.h"
+
+namespace brume {
+
+/// Light arriving at a reference point from one sampled direction.
+struct LightSample {
+  Rgb L;          ///< incident radiance [W m^-2 sr^-1]; for delta lights radiance * pdf convention:
+                  ///< irradiance at normal incidence
+  Vec3 wi{0};     ///< unit, from the reference point towards the light
+  float pdf = 0;  ///< per solid angle; 1 for delta lights
+  float distance = kInfinity;  ///< to the light's point
+  /// The point on the light and its error box and normal (area lights), for the end of the shadow
+  /// ray; unused at infinity.
+  Vec3 p{0}, pError{0}, n{0};
+};
+
+/// A source of light in render space. Immutable and thread-safe.
+class Light {
+ public:
+  static constexpr std::string_view kPluginKind = "LightSource";
+  struct FactoryContext {
+    Transform lightToWorld;  ///< CTM shifted to render space
+    Vec3d sceneOrigin{0};    ///< scene-space position of the render-space origin
+    SourceLocation where;
+    Log* log = nullptr;
+  };
+
+  virtual ~Light() = default;
+
+  /// The direction is a delta distribution: cannot be hit, pdfLi is 0.
+  virtual bool isDelta() const = 0;
+  /// Surrounds the scene: Le answers for rays that leave it.
+  virtual bool isInfinite() const { return false; }
+  /// Shadow rays per shading point that the scene asks for (directlighting "all").
+  virtual int sampleCount() const { return 1; }
+  /// Called once, when all geometry is known. Bounds of the scene in render space.
+  virtual void setSceneBounds(const Bounds3&) {}
+
+  /// A direction from p towards the light. None when no light can arrive. Visibility is not tested.
+  virtual std::optional<LightSample> sampleLi(const Vec3& p, Vec2 u) const = 0;
+  /// Density per solid angle of sampleLi for a wi that leaves the scene (infinite lights; 0 for the
+  /// others).
+  virtual float pdfLi(const Vec3&, const Vec3&) const { return 0; }
+  /// Radiance arriving along a ray that leaves the scene.
+  virtual Rgb Le(const Ray&) const { return {}; }
+  /// Total emitted power [W].
+  virtual Rgb power() const = 0;
+  /// Largest plausible irradiance in the box, visibility ignored: the weight with which a light is
+  /// chosen. Zero only when no light can arrive there.
+  virtual float importance(const Bounds3& region) const = 0;
+  /// Position [render space] around which the emission falls off with distance squared; none for
+  /// distant and infinite ones.
+  virtual std::optional<Vec3> position() const { return std::nullopt; }
+};
+
+/// A light on a shape: exitant radiance.
+class AreaLight : public Light {
+ public:
+  static constexpr std::string_view kPluginKind = "AreaLightSource";
+  struct FactoryContext {
+    const Shape* shape = nullptr;
+    SourceLocation where;
+    Log* log = nullptr;
+  };
+  bool isDelta() const override { return false; }
+  /// Radiance leaving the point p with normal n towards the unit vector w.
+  virtual Rgb L(const Vec3& p, const Vec3& n, Vec2 uv, const Vec3& w) const = 0;
+  /// Density per solid angle of sampleLi for a direction whose hit on the light's shape is known.
+  virtual float pdfLiAt(const Vec3& ref, const Vec3& wi, const Vec3& hitPoint,
+                        const Vec3& hitNormal) const = 0;
+};
+
+}  // namespace brume
