@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+// From a parsed frame to an image: makes camera, sampler, film and integrators, runs the passes,
+// reports progress.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/film.h"
+#include "core/integrator.h"
+#include "core/parse/scene_description.h"
+#include "core/registry.h"
+
+namespace brume {
+
+/// What the command line asks for, beside what the scene says.
+struct RenderSettings {
+  std::uint64_t seed = 0;
+  bool quick = false;
+  std::string outputName;                    ///< -o; empty: the scene's
+  std::optional<Vec2i> resolution;           ///< --resolution
+  std::optional<std::array<float, 4>> crop;  ///< --crop
+  std::optional<int> samplesPerPixel;        ///< --spp
+  std::optional<int> passes;          ///< --passes: full rounds of samples per pixel; default 1
+  std::optional<double> maxSeconds;   ///< --time
+  std::optional<double> targetError;  ///< --error: stop when the estimated relative error is below
+  bool variance = false;              ///< write variance layers
+  std::vector<std::string> integrators;  ///< --integrator NAME[:key=value,...]
+};
+
+struct RenderProgress {
+  double fraction = 0;  ///< of the work, 0..1, as far as it is known
+  int pass = 0;
+  double seconds = 0;
+  std::uint64_t rays = 0;
+  std::optional<double> estimatedError;
+};
+
+enum class StopReason { Done, Time, Error, Interrupted };
+
+struct RenderResult {
+  LayeredImage image;  ///< with metadata: scene parameters, seed, passes, seconds, version
+  Stats stats;
+  StopReason reason = StopReason::Done;
+  int passes = 0;
+  double seconds = 0;
+};
+
+/// One frame to be rendered.
+class RenderJob {
+ public:
+  /// Makes everything the frame needs; throws SceneError for what the scene or the settings got
+  /// wrong.
+  RenderJob(SceneDescription description, const RenderSettings& settings, Log& log);
+  ~RenderJob();
+
+  /// Renders until done or stop is set. `progress` is called from one thread at a time, a few times
+  /// a second at most.
+  RenderResult run(const std::atomic<bool>& stop,
+                   const std::function<void(const RenderProgress&)>& progress);
+
+  const Film& film() const;
+  const Scene& scene() const;
+  /// Each plugin in use with its effective parameters, for metadata and statistics.
+  struct UsedPlugin {
+    std::string kind, name;
+    std::vector<ParamRecord> params;
+  };
+  const std::vector<UsedPlugin>& plugins() const;
+  /// What the scene has, what is built, what is skipped and why: --plan.
+  std::vector<std::string> plan() const;
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace brume
