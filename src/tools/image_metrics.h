@@ -107,7 +107,4 @@ ScalarImage significanceMap(const ScalarImage& pValues);
 /// (van der Walt and Smith 2015, CC0).
 RgbImage heatmap(const ScalarImage& image);
 
-/// R, G, B of the data window (a lone Y in all three); throws SceneError when there is neither.
-RgbImage toRgbImage(const LayeredImage& image);
-
 }  // namespace brume
