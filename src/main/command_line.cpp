@@ -23,7 +23,7 @@ struct RenderWords {
 
 struct DiffWords {
   std::string image, reference, block, zTest, heatmap;
-  std::string maxMse, maxRelMse, maxMae, minPsnr, maxFlip, maxMeanRatioError;
+  std::string maxMse, maxRelMse, maxMae, minPsnr, maxFlip, maxMeanRatioError, maxBlockError;
   bool json = false;
 };
 
@@ -101,6 +101,8 @@ CLI::App* declareDiff(CLI::App& app, DiffWords& words) {
   limit("--max-flip", words.maxFlip, "FLIP");
   limit("--max-mean-ratio-error", words.maxMeanRatioError,
         "deviation of any channel's mean ratio from 1");
+  limit("--max-block-error", words.maxBlockError,
+        "relative difference that 95 % of the blocks must not exceed");
   limit("--z-test", words.zTest,
         "fail when any pixel differs at this significance for the whole image (variance layers)");
   return diff;
@@ -190,6 +192,7 @@ DiffOptions readDiff(const DiffWords& words) {
   options.minPsnr = given("--min-psnr", words.minPsnr, limit);
   options.maxFlip = given("--max-flip", words.maxFlip, limit);
   options.maxMeanRatioError = given("--max-mean-ratio-error", words.maxMeanRatioError, limit);
+  options.maxBlockError = given("--max-block-error", words.maxBlockError, limit);
   options.zTest = given("--z-test", words.zTest, significance);
   options.heatmap = words.heatmap;
   options.json = words.json;

@@ -10,11 +10,14 @@ namespace brume {
 /// What is compared and how much difference is allowed.
 struct DiffOptions {
   std::string image, reference;
-  int block = 1;  ///< side of the squares whose means are compared [pixels]; 1: pixels themselves
+  /// Side of the squares whose means are compared [pixels]; 1: the pixels themselves. FLIP and the
+  /// z-test always look at pixels.
+  int block = 1;
 
   /// Limits; a figure beyond its limit makes the comparison fail.
   std::optional<double> maxMse, maxRelMse, maxMae, minPsnr, maxFlip, maxMeanRatioError;
-  std::optional<double> zTest;  ///< family-wise significance level of the per-pixel z-test
+  std::optional<double> maxBlockError;  ///< relative, for 95 % of the blocks
+  std::optional<double> zTest;          ///< family-wise significance level of the per-pixel z-test
 
   std::string heatmap;  ///< image file for the per-pixel error; empty: none
   bool json = false;

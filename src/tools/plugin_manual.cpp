@@ -66,10 +66,13 @@ std::string listPlugins(const std::vector<const PluginInfo*>& plugins) {
 }
 
 /// A cell of a markdown table.
-std::string cell(std::string text) {
-  for (std::size_t at = 0; (at = text.find('|', at)) != std::string::npos; at += 2)
-    text.insert(at, "\\");
-  return text;
+std::string cell(const std::string& text) {
+  std::string escaped;
+  for (const char c : text) {
+    if (c == '|') escaped += '\\';
+    escaped += c;
+  }
+  return escaped;
 }
 
 std::string markdownPlugin(const PluginInfo& info) {
