@@ -18,7 +18,7 @@ struct RenderWords {
   std::vector<std::string> scenes, integrators;
   std::string outfile, threads, crop, resolution, spp, seed, passes, time, error, stats;
   bool quick = false, quiet = false, verbose = false, check = false, plan = false, strict = false,
-       variance = false;
+       variance = false, png = false;
 };
 
 struct DiffWords {
@@ -51,6 +51,8 @@ void declareRender(CLI::App& app, RenderWords& words) {
                  "render this part only; fractions of the image from the top left"));
   image(app.add_flag("--variance", words.variance,
                      "also write the variance of every pixel and its sample count (EXR)"));
+
+  image(app.add_flag("--png", words.png, "also write a PNG beside the image"));
 
   const auto work = [&app](CLI::Option* option) { option->group("How much work"); };
   work(addValue(app, "--spp", words.spp, "N", "samples per pixel"));
@@ -171,6 +173,7 @@ RenderCommand readRender(const RenderWords& words) {
     return static_cast<int>(parseWhole(o, 1, 4096));
   };
   command.threads = given("--threads", words.threads, threads).value_or(0);
+  command.pngToo = words.png;
   command.statsFile = words.stats;
   return command;
 }

@@ -21,6 +21,7 @@ struct RenderCommand {
   RenderSettings settings;
   Action action = Action::Render;
   Log::Options log;
+  bool pngToo = false;    ///< a PNG beside every image that is not one
   int threads = 0;        ///< 0: as many as the machine has
   std::string statsFile;  ///< empty: none
 };

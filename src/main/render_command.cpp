@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <filesystem>
 #include <set>
 
 #include "core/io/image.h"
@@ -56,6 +57,7 @@ class RenderRun {
   void doFrame(SceneDescription description, FrameReport report);
   void render(RenderJob& job, FrameReport report);
   void checkOutput(const std::string& image);
+  void writeOutput(const std::string& image, const RenderResult& result, PixelPrecision precision);
   void warnAboutFaults(const Stats& stats);
   void say(const std::string& line) const {
     if (command_.log.verbosity != Verbosity::Quiet) std::fprintf(stderr, "%s\n", line.c_str());
@@ -126,6 +128,13 @@ void RenderRun::checkOutput(const std::string& image) {
     log_.warning({}, fmt::format("this frame replaces '{}', which an earlier frame wrote", image));
 }
 
+void RenderRun::writeOutput(const std::string& image, const RenderResult& result,
+                            PixelPrecision precision) {
+  writeImage(image, result.image, precision);
+  const std::filesystem::path png = std::filesystem::path(image).replace_extension(".png");
+  if (command_.pngToo && png != image) writeImage(png.string(), result.image);
+}
+
 void RenderRun::render(RenderJob& job, FrameReport report) {
   const Film::Settings& film = job.film().settings();
   checkOutput(film.filename);
@@ -137,7 +146,7 @@ void RenderRun::render(RenderJob& job, FrameReport report) {
     return job.run(signals.stop(), [&](const RenderProgress& p) { line.show(p); });
   }();
   Stopwatch watch;
-  writeImage(film.filename, result.image, film.precision);
+  writeOutput(film.filename, result, film.precision);
 
   // Report.
   report.image = film.filename;

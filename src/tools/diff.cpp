@@ -4,11 +4,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <filesystem>
+#include <string_view>
 #include <vector>
 
 #include "core/error.h"
 #include "core/io/image.h"
+#include "core/srgb.h"
 #include "tools/image_metrics.h"
 #include "tools/json_report.h"
 
@@ -33,10 +37,26 @@ struct ImagePair {
   RgbImage rgbA, rgbB;
 };
 
+/// PNG, TGA and JPEG hold sRGB codes; errors are measured in linear light.
+bool holdsSrgb(const std::string& path) {
+  std::string extension = std::filesystem::path(path).extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const std::string_view encoded[] = {".png", ".tga", ".jpg", ".jpeg"};
+  return std::find(std::begin(encoded), std::end(encoded), extension) != std::end(encoded);
+}
+
+RgbImage linearImage(const std::string& path, const LayeredImage& layers) {
+  RgbImage image = toRgbImage(layers);
+  if (holdsSrgb(path))
+    for (Rgb& pixel : image.pixels)
+      pixel = Rgb(decodeSrgb(pixel.r), decodeSrgb(pixel.g), decodeSrgb(pixel.b));
+  return image;
+}
+
 ImagePair readPair(const DiffOptions& options) {
   ImagePair pair{readLayeredImage(options.image), readLayeredImage(options.reference), {}, {}};
-  pair.rgbA = toRgbImage(pair.a);
-  pair.rgbB = toRgbImage(pair.b);
+  pair.rgbA = linearImage(options.image, pair.a);
+  pair.rgbB = linearImage(options.reference, pair.b);
   if (pair.rgbA.width != pair.rgbB.width || pair.rgbA.height != pair.rgbB.height)
     throw SceneError(fmt::format("the images differ in size: '{}' has {} x {} pixels, '{}' {} x {}",
                                  options.image, pair.rgbA.width, pair.rgbA.height,
@@ -179,14 +199,7 @@ std::string json(const DiffOptions& options, const Figures& figures,
 void writeHeatmap(const DiffOptions& options, const ImagePair& pair, const Figures& figures) {
   const RgbImage colours = options.zTest ? heatmap(significanceMap(figures.z->pValues))
                                          : heatmap(relativeErrorMap(pair.rgbA, pair.rgbB));
-  LayeredImage image;
-  image.displaySize = {colours.width, colours.height};
-  image.dataWindow = {Vec2i{0}, image.displaySize};
-  for (const auto& [name, channel] : {std::pair{"R", &Rgb::r}, {"G", &Rgb::g}, {"B", &Rgb::b}}) {
-    std::vector<float>& values = image.channels[name];
-    for (const Rgb& pixel : colours.pixels) values.push_back(pixel.*channel);
-  }
-  writeImage(options.heatmap, image);
+  writeImage(options.heatmap, colours);
 }
 
 }  // namespace
