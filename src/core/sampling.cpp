@@ -59,9 +59,11 @@ Distribution1D::Sample Distribution1D::sample(float u) const {
       std::min(last, static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, it - cdf_.begin() - 1)));
   const double width = cdf_[i + 1] - cdf_[i];
   const double inCell = width > 0 ? (u - cdf_[i]) / width : 0.5;
-  const float x = static_cast<float>((static_cast<double>(i) + std::clamp(inCell, 0.0, 1.0)) /
-                                     static_cast<double>(values_.size()));
-  return {std::min(x, kOneMinusEpsilon), probability(i) * static_cast<float>(values_.size()), i};
+  const double n = static_cast<double>(values_.size());
+  float x = static_cast<float>((static_cast<double>(i) + std::clamp(inCell, 0.0, 1.0)) / n);
+  // Rounding must not carry x into the next cell, which may be empty.
+  while (static_cast<std::size_t>(x * static_cast<float>(n)) > i) x = std::nextafter(x, 0.f);
+  return {x, probability(i) * static_cast<float>(n), i};
 }
 
 float Distribution1D::pdf(float x) const {
