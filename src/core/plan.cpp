@@ -67,11 +67,10 @@ Plan planScene(const SceneInventory& found) {
   if (found.meshes + found.quadrics == 0)
     plan.skip("surfaces", "the scene has none");
   else
-    plan.build("surfaces", fmt::format("{} with {}, {}, {} of {}", counted(found.meshes, "mesh"),
-                                       counted(found.triangles, "triangle"),
-                                       counted(found.quadrics, "quadric"),
-                                       counted(found.instances, "instance"),
-                                       counted(found.groups, "object")));
+    plan.build("surfaces",
+               fmt::format("{} with {}, {}, {} of {}", counted(found.meshes, "mesh"),
+                           counted(found.triangles, "triangle"), counted(found.quadrics, "quadric"),
+                           counted(found.instances, "instance"), counted(found.groups, "object")));
   if (found.lights() == 0)
     plan.skip("lights", "the scene has none that emits");
   else

@@ -20,11 +20,15 @@ struct Unbuilt {
 constexpr std::string_view kUsePath =
     "use SurfaceIntegrator \"path\" (or --integrator path), which computes the same light";
 constexpr Unbuilt kUnbuiltIntegrators[] = {
-    {"photonmap", kUsePath},        {"exphotonmap", kUsePath},
-    {"igi", kUsePath},              {"irradiancecache", kUsePath},
-    {"dipolesubsurface", "use SurfaceIntegrator \"path\" (or --integrator path), which shows "
-                         "subsurface materials as specular reflectors"},
-    {"diffuseprt", kUsePath},       {"glossyprt", kUsePath},
+    {"photonmap", kUsePath},
+    {"exphotonmap", kUsePath},
+    {"igi", kUsePath},
+    {"irradiancecache", kUsePath},
+    {"dipolesubsurface",
+     "use SurfaceIntegrator \"path\" (or --integrator path), which shows "
+     "subsurface materials as specular reflectors"},
+    {"diffuseprt", kUsePath},
+    {"glossyprt", kUsePath},
     {"useprobes", kUsePath}};
 constexpr Unbuilt kUnbuiltRenderers[] = {
     {"metropolis",
@@ -103,7 +107,8 @@ Param makeParam(const ParamRecord& record, const std::string& key, const std::st
     param.type = ParamType::String;
     param.values = std::vector<std::string>{text};
   } else {
-    throw SceneError(fmt::format("--integrator: \"{} {}\" can be given in the scene only", type, key));
+    throw SceneError(
+        fmt::format("--integrator: \"{} {}\" can be given in the scene only", type, key));
   }
   return param;
 }

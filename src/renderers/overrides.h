@@ -8,8 +8,8 @@
 
 namespace brume {
 
-/// "NAME" or "NAME:key=value,key=value", with values typed as the plugin `info` declares them. Throws
-/// SceneError for an unknown key or a value of the wrong type.
+/// "NAME" or "NAME:key=value,key=value", with values typed as the plugin `info` declares them.
+/// Throws SceneError for an unknown key or a value of the wrong type.
 PluginDirective parseIntegrator(const std::string& argument);
 
 /// Puts each --integrator in the place of the scene's surface, volume or global one. A global

@@ -47,7 +47,8 @@ std::int64_t PortionLoop::nextPortion() const {
   const std::int64_t left = total_ - outcome_.samples;
   if (limits_.wholeRounds) return std::min(limits_.round, left);
   std::int64_t portion = kPortion;
-  if (limits_.maxSeconds || limits_.targetError) portion = std::max<std::int64_t>(1, 2 * lastPortion_);
+  if (limits_.maxSeconds || limits_.targetError)
+    portion = std::max<std::int64_t>(1, 2 * lastPortion_);
   const auto atMost = [&](double samples) {
     if (samples < static_cast<double>(portion))
       portion = std::max<std::int64_t>(1, static_cast<std::int64_t>(samples));
@@ -94,13 +95,12 @@ RenderOutcome PortionLoop::run(const std::atomic<bool>& stop, Stats& stats,
   double nextReport = kSecondsBetweenReports;
   for (;;) {
     const std::int64_t portion = nextPortion();
-    const bool isWhole = renderer_.render(
-        {outcome_.samples, outcome_.samples + portion}, stop, stats,
-        [&](double share, const Stats& soFar) {
-          if (!progress || seconds() < nextReport) return;
-          progress(progressAt(share, portion, soFar));
-          nextReport = seconds() + kSecondsBetweenReports;
-        });
+    const bool isWhole = renderer_.render({outcome_.samples, outcome_.samples + portion}, stop,
+                                          stats, [&](double share, const Stats& soFar) {
+                                            if (!progress || seconds() < nextReport) return;
+                                            progress(progressAt(share, portion, soFar));
+                                            nextReport = seconds() + kSecondsBetweenReports;
+                                          });
     outcome_.seconds = seconds();
     if (!isWhole) {
       outcome_.reason = StopReason::Interrupted;

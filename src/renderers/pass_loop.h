@@ -12,11 +12,11 @@ namespace brume {
 
 /// When to stop; the first limit that is reached counts.
 struct RenderLimits {
-  std::int64_t round = 1;                ///< samples per pixel and round
-  bool wholeRounds = false;              ///< the sampler cannot split a round
-  std::optional<std::int64_t> rounds;    ///< none: only the other limits
-  std::optional<double> maxSeconds;      ///< exceeded by less than one portion
-  std::optional<double> targetError;     ///< Film::estimatedRelativeError
+  std::int64_t round = 1;              ///< samples per pixel and round
+  bool wholeRounds = false;            ///< the sampler cannot split a round
+  std::optional<std::int64_t> rounds;  ///< none: only the other limits
+  std::optional<double> maxSeconds;    ///< exceeded by less than one portion
+  std::optional<double> targetError;   ///< Film::estimatedRelativeError
 };
 
 struct RenderOutcome {

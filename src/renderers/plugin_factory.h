@@ -16,7 +16,8 @@ class PluginFactory {
   PluginFactory(std::string searchDirectory, Log& log)
       : searchDirectory_(std::move(searchDirectory)), log_(log) {}
 
-  /// Throws SceneError for an unknown name or a bad parameter. `context` gets its where and log here.
+  /// Throws SceneError for an unknown name or a bad parameter. `context` gets its where and log
+  /// here.
   template <class Interface>
   std::unique_ptr<Interface> make(PluginDirective& directive,
                                   typename Interface::FactoryContext context) {

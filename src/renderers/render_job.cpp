@@ -68,8 +68,7 @@ RenderJob::Parts::Parts(SceneDescription description, const RenderSettings& sett
   RenderOptions& options = description.options;
   overrideIntegrators(settings.integrators, options, log);
   refuseUnbuilt(options, !settings.integrators.empty(), log);
-  if (settings.samplesPerPixel)
-    overrideSamplesPerPixel(*settings.samplesPerPixel, options.sampler);
+  if (settings.samplesPerPixel) overrideSamplesPerPixel(*settings.samplesPerPixel, options.sampler);
 
   PluginFactory factory(options.searchDirectory, log);
   factory.make<RendererChoice>(options.renderer, {});
@@ -151,8 +150,7 @@ RenderResult RenderJob::run(const std::atomic<bool>& stop,
   const Parts& p = *parts_;
   const Scene::Contents& contents = p.scene->contents();
   const bool footprints = !contents.floatTextures.empty() || !contents.rgbTextures.empty();
-  TileRenderer renderer(
-      {*p.camera, *p.sampler, *p.film, *p.radiance, p.settings.seed, footprints});
+  TileRenderer renderer({*p.camera, *p.sampler, *p.film, *p.radiance, p.settings.seed, footprints});
 
   RenderLimits limits;
   limits.round = p.sampler->samplesPerPixel();

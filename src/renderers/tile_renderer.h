@@ -29,17 +29,17 @@ struct SampleRange {
   std::int64_t count() const { return end - first; }
 };
 
-/// Renders ranges of samples into a film. Tiles of fixed size are begun in order by whichever thread
-/// is free, and merged in order: the same bits for any number of threads. Few tiles wait at a time,
-/// so memory is bounded.
+/// Renders ranges of samples into a film. Tiles of fixed size are begun in order by whichever
+/// thread is free, and merged in order: the same bits for any number of threads. Few tiles wait at
+/// a time, so memory is bounded.
 class TileRenderer {
  public:
   static constexpr int kTileSize = 16;  ///< pixels of the sampled area
 
   explicit TileRenderer(const TileRenderParts& parts) : parts_(parts) {}
 
-  /// Adds the samples to the film. A set `stop` ends every tile after its present pixel row; what was
-  /// sampled is kept. Adaptive samplers take whole rounds: the range must be one. `onTile` is
+  /// Adds the samples to the film. A set `stop` ends every tile after its present pixel row; what
+  /// was sampled is kept. Adaptive samplers take whole rounds: the range must be one. `onTile` is
   /// called after each merged tile with the share that is done, from one thread at a time, with the
   /// statistics so far (stats included).
   /// Returns whether the whole range was rendered.

@@ -78,8 +78,8 @@ void LightGrid::fillCell(const Bounds3& cell, float* cdf) const {
   double below = 0;
   for (std::size_t i = 0; i < lights_.size(); ++i) {
     if (importance[i] > 0)
-      below += (1 - kUniformShare) * importance[i] / sum +
-               kUniformShare / static_cast<double>(reaching);
+      below +=
+          (1 - kUniformShare) * importance[i] / sum + kUniformShare / static_cast<double>(reaching);
     cdf[i] = static_cast<float>(below);
   }
   // The last light that can be chosen takes what rounding left; so do the entries behind it.

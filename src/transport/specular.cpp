@@ -89,8 +89,7 @@ Rgb specularRadiance(const SurfaceQuery& query, const Bsdf& bsdf, int maxDepth,
     }
     return L;
   }
-  const auto sample =
-      sampleSpecular(query, bsdf, kReflection | kTransmission | kSpecular, context);
+  const auto sample = sampleSpecular(query, bsdf, kReflection | kTransmission | kSpecular, context);
   if (!sample) return {};
   const Rgb weight = bounceWeight(*sample, bsdf);
   const float survival = std::min(1.f, weight.maxChannel());

@@ -42,7 +42,8 @@ class AmbientOcclusion final : public SurfaceIntegrator {
     std::array<Vec2, kSetSize> u;
     int clear = 0;
     for (int begin = 0; begin < count_; begin += kSetSize) {
-      const auto set = std::span(u).first(static_cast<std::size_t>(std::min(kSetSize, count_ - begin)));
+      const auto set =
+          std::span(u).first(static_cast<std::size_t>(std::min(kSetSize, count_ - begin)));
       context.samples.get2DArray(set);
       for (const Vec2& ui : set) {
         const Vec3 w = frame.fromLocal(sampleUniformHemisphere(ui));

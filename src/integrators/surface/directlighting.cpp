@@ -36,7 +36,8 @@ class DirectLighting final : public SurfaceIntegrator {
       : params_(params), scene_(*context.scene), grid_(scene_) {
     for (const Light* light : grid_.lights()) {
       // --quick asks for a quarter of the samples, as in PBRT-v2.
-      const int wanted = std::max(1, context.quick ? light->sampleCount() / 4 : light->sampleCount());
+      const int wanted =
+          std::max(1, context.quick ? light->sampleCount() / 4 : light->sampleCount());
       sampleCounts_.push_back(context.sampler ? context.sampler->roundCount(wanted) : wanted);
     }
   }
@@ -47,7 +48,8 @@ class DirectLighting final : public SurfaceIntegrator {
     query.hit.material->evaluate(query.hit, bsdf);
     if (!bsdf.isSpecularOnly()) {
       const LitPoint point{scene_, query.hit, bsdf, query.media};
-      L += params_.strategy == Strategy::All ? sampleAll(point, context) : sampleOne(point, context);
+      L +=
+          params_.strategy == Strategy::All ? sampleAll(point, context) : sampleOne(point, context);
     }
     return L + specularRadiance(query, bsdf, params_.maxdepth, context);
   }

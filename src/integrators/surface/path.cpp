@@ -67,8 +67,7 @@ Rgb Path::escaped(const Ray& ray, const Arrival& arrival) const {
   if (arrival.specular) return escapedRadiance(scene_, ray);
   Rgb L;
   for (const Light* light : scene_.infiniteLights()) {
-    const float pdf =
-        grid_.probability(arrival.from, light) * light->pdfLi(arrival.from, ray.d);
+    const float pdf = grid_.probability(arrival.from, light) * light->pdfLi(arrival.from, ray.d);
     L += light->Le(ray) * powerHeuristic(arrival.bsdfPdf, pdf);
   }
   return L;
@@ -99,8 +98,7 @@ Rgb Path::Li(const SurfaceQuery& query, RenderContext& context) const {
     context.stats.add(Stat::PathSegments);
     Bsdf bsdf;
     at.material->evaluate(at, bsdf);
-    if (!bsdf.isSpecularOnly())
-      L += throughput * direct({scene_, at, bsdf, query.media}, context);
+    if (!bsdf.isSpecularOnly()) L += throughput * direct({scene_, at, bsdf, query.media}, context);
 
     // The direction in which the path goes on. The last vertex looks for light that its BSDF can
     // find, and nothing else.
