@@ -2,7 +2,9 @@
 // Warnings and messages. Libraries report through a Log; only main() decides what is printed where.
 #pragma once
 
+#include <limits>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/log.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <fstream>
+
+namespace brume {
+
+namespace {
+
+/// Line `number` (from 1) of a file; none when it cannot be read again (standard input).
+std::optional<std::string> readLine(const std::string& path, std::uint32_t number) {
+  std::ifstream in(path, std::ios::binary);
+  constexpr std::size_t kLongest = 1 << 16;
+  std::string line;
+  for (std::uint32_t i = 1; in; ++i) {
+    if (i < number) {
+      in.ignore(std::numeric_limits<std::streamsize>::max(), '\n');
+      continue;
+    }
+    char c;
+    while (line.size() < kLongest && in.get(c) && c != '\n') line += c;
+    return line;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::string formatDiagnostic(const SourceLocation& where, std::string_view kind,
+                             const std::string& text) {
+  std::string result = where.isKnown() ? fmt::format("{}: {}: {}", toString(where), kind, text)
+                                       : fmt::format("brume: {}: {}", kind, text);
+  if (!where.isKnown() || where.line == 0 || where.column == 0) return result;
+  std::optional<std::string> line = readLine(*where.file, where.line);
+  if (!line) return result;
+
+  // Show at most a terminal's width around the column; everything that would move the cursor
+  // becomes a blank.
+  constexpr std::size_t kShown = 96;
+  for (char& c : *line)
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
+  const std::size_t column = where.column - 1;
+  if (column > line->size()) return result;
+  const std::size_t first = column > kShown - 16 ? column - (kShown - 16) : 0;
+  result +=
+      fmt::format("\n  {}\n  {}^", line->substr(first, kShown), std::string(column - first, ' '));
+  return result;
+}
+
+void Log::warning(const SourceLocation& where, const std::string& text) {
+  if (options_.strict) throw SceneError(where, text);
+  std::lock_guard lock(mutex_);
+  ++warnings_;
+  if (options_.verbosity != Verbosity::Quiet) print(formatDiagnostic(where, "warning", text));
+}
+
+void Log::verbose(const std::string& text) {
+  if (options_.verbosity != Verbosity::Verbose) return;
+  std::lock_guard lock(mutex_);
+  print(text);
+}
+
+void Log::verboseOnce(const std::string& text) {
+  if (options_.verbosity != Verbosity::Verbose) return;
+  std::lock_guard lock(mutex_);
+  if (std::find(once_.begin(), once_.end(), text) != once_.end()) return;
+  once_.push_back(text);
+  print(text);
+}
+
+int Log::warningCount() const {
+  std::lock_guard lock(mutex_);
+  return warnings_;
+}
+
+std::vector<std::string> Log::captured() const {
+  std::lock_guard lock(mutex_);
+  return lines_;
+}
+
+void Log::print(const std::string& line) {
+  if (options_.capture)
+    lines_.push_back(line);
+  else
+    std::fprintf(stderr, "%s\n", line.c_str());
+}
+
+}  // namespace brume

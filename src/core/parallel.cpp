@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/parallel.h"
+
+#include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <memory>
+#include <thread>
+
+namespace brume {
+
+namespace {
+
+// The limit lives as long as the process; it is replaced, never removed.
+std::unique_ptr<tbb::global_control>& limit() {
+  static std::unique_ptr<tbb::global_control> control;
+  return control;
+}
+int requestedThreads = 0;
+
+}  // namespace
+
+void setThreadCount(int n) {
+  requestedThreads = n;
+  limit().reset();
+  if (n > 0)
+    limit() = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
+                                                    static_cast<std::size_t>(n));
+}
+
+int threadCount() {
+  if (requestedThreads > 0) return requestedThreads;
+  return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
+
+void forEachChunk(std::int64_t count, std::int64_t chunkSize,
+                  const std::function<void(std::int64_t, std::int64_t, std::int64_t)>& body) {
+  if (count <= 0) return;
+  const std::int64_t chunks = (count + chunkSize - 1) / chunkSize;
+  // An arena of its own size: more threads than cores are really started, so that tests of 7
+  // threads test them.
+  tbb::task_arena arena(threadCount());
+  arena.execute([&] {
+    tbb::parallel_for(
+        std::int64_t{0}, chunks,
+        [&](std::int64_t chunk) {
+          body(chunk * chunkSize, std::min(count, (chunk + 1) * chunkSize), chunk);
+        },
+        tbb::simple_partitioner());
+  });
+}
+
+}  // namespace brume

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/sampling.h"
+
+#include "core/error.h"
+
+namespace brume {
+
+Vec2 sampleConcentricDisk(Vec2 u) {
+  const float x = 2.f * u.x - 1.f, y = 2.f * u.y - 1.f;
+  if (x == 0.f && y == 0.f) return Vec2(0);
+  const bool horizontal = std::abs(x) > std::abs(y);
+  const float r = horizontal ? x : y;
+  const float theta = horizontal ? (kPi / 4) * (y / x) : (kPi / 2) - (kPi / 4) * (x / y);
+  return {r * std::cos(theta), r * std::sin(theta)};
+}
+
+Vec3 sampleCosineHemisphere(Vec2 u) {
+  const Vec2 d = sampleConcentricDisk(u);
+  return {d.x, d.y, safeSqrt(1.f - d.x * d.x - d.y * d.y)};
+}
+
+Vec3 sampleUniformHemisphere(Vec2 u) {
+  const float z = u.x, r = safeSqrt(1.f - z * z), phi = 2.f * kPi * u.y;
+  return {r * std::cos(phi), r * std::sin(phi), z};
+}
+
+Vec3 sampleUniformSphere(Vec2 u) {
+  const float z = 1.f - 2.f * u.x, r = safeSqrt(1.f - z * z), phi = 2.f * kPi * u.y;
+  return {r * std::cos(phi), r * std::sin(phi), z};
+}
+
+Vec3 sampleUniformCone(Vec2 u, float oneMinusCosThetaMax) {
+  const float oneMinusCos = u.x * oneMinusCosThetaMax;
+  const float sinTheta = safeSqrt(oneMinusCos * (2.f - oneMinusCos)), phi = 2.f * kPi * u.y;
+  return {sinTheta * std::cos(phi), sinTheta * std::sin(phi), 1.f - oneMinusCos};
+}
+
+Vec2 sampleUniformTriangle(Vec2 u) {
+  const float s = std::sqrt(u.x);
+  return {1.f - s, u.y * s};
+}
+
+Distribution1D::Distribution1D(std::span<const float> values)
+    : values_(values.begin(), values.end()), cdf_(values.size() + 1, 0.0) {
+  BRUME_CHECK(!values_.empty());
+  const double n = static_cast<double>(values_.size());
+  for (std::size_t i = 0; i < values_.size(); ++i) cdf_[i + 1] = cdf_[i] + values_[i] / n;
+  integral_ = cdf_.back();
+  if (!(integral_ > 0)) std::fill(values_.begin(), values_.end(), 1.f);
+  for (std::size_t i = 1; i < cdf_.size(); ++i)
+    cdf_[i] = integral_ > 0 ? cdf_[i] / integral_ : static_cast<double>(i) / n;
+}
+
+Distribution1D::Sample Distribution1D::sample(float u) const {
+  // The last cell that begins at or before u and is not empty.
+  const auto it = std::upper_bound(cdf_.begin(), cdf_.end(), static_cast<double>(u));
+  const std::size_t last = values_.size() - 1;
+  std::size_t i =
+      std::min(last, static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, it - cdf_.begin() - 1)));
+  const double width = cdf_[i + 1] - cdf_[i];
+  const double inCell = width > 0 ? (u - cdf_[i]) / width : 0.5;
+  const double n = static_cast<double>(values_.size());
+  float x = static_cast<float>((static_cast<double>(i) + std::clamp(inCell, 0.0, 1.0)) / n);
+  // Rounding must not carry x into the next cell, which may be empty.
+  while (static_cast<std::size_t>(x * static_cast<float>(n)) > i) x = std::nextafter(x, 0.f);
+  return {x, probability(i) * static_cast<float>(n), i};
+}
+
+float Distribution1D::pdf(float x) const {
+  const float n = static_cast<float>(values_.size());
+  const std::size_t i =
+      std::min(values_.size() - 1, static_cast<std::size_t>(std::max(0.f, x * n)));
+  return probability(i) * n;
+}
+
+float Distribution1D::probability(std::size_t i) const {
+  return static_cast<float>(cdf_[i + 1] - cdf_[i]);
+}
+
+Distribution2D::Distribution2D(std::span<const float> values, std::size_t width,
+                               std::size_t height) {
+  BRUME_CHECK(width > 0 && height > 0 && values.size() == width * height);
+  rows_.reserve(height);
+  std::vector<float> sums(height);
+  for (std::size_t y = 0; y < height; ++y) {
+    rows_.emplace_back(values.subspan(y * width, width));
+    sums[y] = static_cast<float>(rows_.back().integral());
+  }
+  marginal_ = Distribution1D(sums);
+}
+
+Distribution2D::Sample Distribution2D::sample(Vec2 u) const {
+  const Distribution1D::Sample y = marginal_.sample(u.y);
+  const Distribution1D::Sample x = rows_[y.index].sample(u.x);
+  return {Vec2(x.x, y.x), x.pdf * y.pdf};
+}
+
+float Distribution2D::pdf(Vec2 p) const {
+  const std::size_t y =
+      std::min(rows_.size() - 1,
+               static_cast<std::size_t>(std::max(0.f, p.y * static_cast<float>(rows_.size()))));
+  return rows_[y].pdf(p.x) * marginal_.pdf(p.y);
+}
+
+}  // namespace brume
