@@ -113,7 +113,7 @@ Rgb MerlBrdf::f(const Vec3& wo, const Vec3& wi) const {
   float phiD = std::atan2(dot(w, y), dot(w, x));
   if (phiD < 0.f) phiD += kPi;  // reciprocity: phi_d and phi_d + pi are one entry
 
-  const int iH = thetaHIndex(std::atan2(std::sqrt(wh.x * wh.x + wh.y * wh.y), wh.z));
+  const int iH = thetaHIndex(std::atan2(sine, wh.z));
   const int iD = clampedIndex(safeAcos(h->cosine) * (2.f * kInvPi), kThetaD);
   const int iP = clampedIndex(phiD * kInvPi, kPhiD);
   return table_[static_cast<std::size_t>((iH * kThetaD + iD) * kPhiD + iP)];
@@ -132,7 +132,7 @@ Vec3 MerlBrdf::sampleHalfVector(Vec2 u) const {
 
 float MerlBrdf::pdfHalfVector(const Vec3& wh) const {
   // By the sine, as the rows near the pole are narrower than the cosine can tell.
-  return pdfOfRow_[thetaHIndex(std::atan2(std::sqrt(wh.x * wh.x + wh.y * wh.y), std::abs(wh.z)))];
+  return pdfOfRow_[thetaHIndex(std::atan2(sinTheta(wh), absCosTheta(wh)))];
 }
 
 float MerlLobe::pdf(const Vec3& wo, const Vec3& wi) const {
