@@ -25,6 +25,9 @@ struct BsdfSample {
   Vec3 wi{0};     ///< unit; local space from a Lobe, render space from a Bsdf
   float pdf = 0;  ///< per solid angle; for specular lobes the probability of the lobe's choice
   LobeFlags flags = 0;
+  /// Specular transmission: index of refraction on the side of wo over that on the side of wi. Ray
+  /// footprints need it.
+  float eta = 1;
   bool isSpecular() const { return flags & kSpecular; }
   bool isTransmission() const { return flags & kTransmission; }
 };
