@@ -52,6 +52,7 @@ class Sampler {
   struct FactoryContext {
     Bounds2i pixels;     ///< all pixels that get samples (the crop window grown by the filter)
     bool quick = false;  ///< --quick
+    std::optional<int> samplesPerPixel;  ///< --spp: wins over the scene and --quick
     SourceLocation where;
     Log* log = nullptr;
   };
