@@ -105,8 +105,8 @@ void RenderJob::Parts::makeImageSide(RenderOptions& options, PluginFactory& fact
 
   Sampler::FactoryContext samplerContext;
   samplerContext.pixels = film->sampleBounds();
-  // A count that the command line asks for is not reduced.
-  samplerContext.quick = settings.quick && !settings.samplesPerPixel;
+  samplerContext.quick = settings.quick;
+  samplerContext.samplesPerPixel = settings.samplesPerPixel;
   sampler = factory.make<Sampler>(options.sampler, samplerContext);
 }
 
