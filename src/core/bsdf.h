@@ -32,6 +32,12 @@ struct BsdfSample {
   bool isTransmission() const { return flags & kTransmission; }
 };
 
+/// A scattering function and the density of its sampling for one pair of directions.
+struct BsdfValue {
+  Rgb f;          ///< [1/sr]
+  float pdf = 0;  ///< per solid angle
+};
+
 /// One scattering function in the local frame. wo and wi both point away from the surface. Lobes
 /// live in a Bsdf's own storage and are never destroyed: they own nothing (trivially destructible,
 /// checked by Bsdf::add).
@@ -47,6 +53,10 @@ class Lobe {
   virtual std::optional<BsdfSample> sample(const Vec3& wo, Vec2 u) const;
   /// Per solid angle; 0 for specular lobes.
   virtual float pdf(const Vec3& wo, const Vec3& wi) const;
+  /// Both at once, for lobes whose f and pdf share work.
+  virtual BsdfValue evaluate(const Vec3& wo, const Vec3& wi) const {
+    return {f(wo, wi), pdf(wo, wi)};
+  }
 
  protected:
   ~Lobe() = default;
@@ -116,6 +126,9 @@ class Bsdf {
   std::optional<BsdfSample> sample(const Vec3& wo, float uLobe, Vec2 u,
                                    LobeFlags accepted = kAllLobes) const;
   float pdf(const Vec3& wo, const Vec3& wi, LobeFlags accepted = kAllLobes) const;
+  /// f and pdf at once, at little more than the cost of one: what direct light with multiple
+  /// importance sampling needs.
+  BsdfValue evaluate(const Vec3& wo, const Vec3& wi, LobeFlags accepted = kAllLobes) const;
   /// Hemispherical-directional reflectance of the accepted lobes for wo, by n fixed stratified
   /// samples.
   Rgb reflectance(const Vec3& wo, LobeFlags accepted, int sqrtSamples = 4) const;

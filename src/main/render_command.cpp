@@ -141,6 +141,7 @@ void RenderRun::render(RenderJob& job, FrameReport report) {
 
   // Render; from here on a signal ends the render, not the process.
   const StopOnSignal signals;
+  log_.verbose(fmt::format("rendering {} with {} threads", film.filename, threadCount()));
   const RenderResult result = [&] {
     ProgressLine line(command_.log.verbosity);
     return job.run(signals.stop(), [&](const RenderProgress& p) { line.show(p); });
