@@ -68,7 +68,6 @@ RenderJob::Parts::Parts(SceneDescription description, const RenderSettings& sett
   RenderOptions& options = description.options;
   overrideIntegrators(settings.integrators, options, log);
   refuseUnbuilt(options, !settings.integrators.empty(), log);
-  if (settings.samplesPerPixel) overrideSamplesPerPixel(*settings.samplesPerPixel, options.sampler);
 
   PluginFactory factory(options.searchDirectory, log);
   factory.make<RendererChoice>(options.renderer, {});

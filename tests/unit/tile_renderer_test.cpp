@@ -28,7 +28,7 @@ struct ThreadCount {
   ~ThreadCount() { setThreadCount(0); }
 };
 
-struct Setup {
+struct TestRender {
   TestBoxFilter filter{1.5f};  // tiles overlap
   RasterCamera camera;
   NoiseRadiance noise;
@@ -37,7 +37,7 @@ struct Setup {
   std::atomic<bool> stop{false};
   Stats stats;
 
-  explicit Setup(const TestSampler::Options& options = {}, Vec2i resolution = {70, 45})
+  explicit TestRender(const TestSampler::Options& options = {}, Vec2i resolution = {70, 45})
       : sampler(options), film(settings(resolution), filter) {}
 
   static Film::Settings settings(Vec2i resolution) {
@@ -63,7 +63,7 @@ struct Setup {
 TEST(TileRenderer, SameBitsForAnyNumberOfThreads) {
   const auto image = [](int threads) {
     const ThreadCount count(threads);
-    Setup setup;
+    TestRender setup;
     EXPECT_TRUE(setup.render({0, 4}));
     EXPECT_TRUE(setup.render({4, 7}));
     return setup.film.develop().channels;
@@ -74,7 +74,7 @@ TEST(TileRenderer, SameBitsForAnyNumberOfThreads) {
 }
 
 TEST(TileRenderer, EverySampleFallsOnce) {
-  Setup setup;
+  TestRender setup;
   setup.render({0, 4});
   // The sampled area is the image and one pixel around it, which the filter of 1.5 pixels reaches.
   const std::int64_t pixels = setup.film.sampleBounds().area();
@@ -90,7 +90,7 @@ TEST(TileRenderer, EverySampleFallsOnce) {
 }
 
 TEST(TileRenderer, RangesJoinToTheWhole) {
-  Setup whole({5, true}), parts({5, true});
+  TestRender whole({5, true}), parts({5, true});
   whole.render({0, 10});
   for (const SampleRange range : {SampleRange{0, 1}, SampleRange{1, 7}, SampleRange{7, 10}})
     parts.render(range);
@@ -101,7 +101,7 @@ TEST(TileRenderer, RangesJoinToTheWhole) {
 }
 
 TEST(TileRenderer, AdaptiveSamplesReplaceTheFirstOnes) {
-  Setup setup({4, false, 9});
+  TestRender setup({4, false, 9});
   setup.render({0, 4});
   const std::int64_t pixels = setup.film.sampleBounds().area();
   EXPECT_EQ(setup.stats[Stat::CameraRays], static_cast<std::uint64_t>((4 + 9) * pixels));
@@ -129,14 +129,15 @@ TEST(TileRenderer, StopKeepsWhatWasSampled) {
     std::atomic<bool>& stop_;
     mutable std::atomic<int> count_{0};
   };
-  Setup setup;
+  TestRender setup;
   const Stopping radiance(setup.stop);
   const RenderOutcome outcome = setup.renderPortions({4, false, 1, {}, {}}, radiance);
   EXPECT_EQ(outcome.reason, StopReason::Interrupted);
   EXPECT_LT(setup.stats[Stat::CameraRays], static_cast<std::uint64_t>(4 * 72 * 47));
   EXPECT_GE(setup.stats[Stat::CameraRays], 5000u);
   std::set<float> values;
-  for (const float r : setup.film.develop().channels.at("R")) values.insert(r);
+  const LayeredImage image = setup.film.develop();
+  for (const float r : image.channels.at("R")) values.insert(r);
   EXPECT_EQ(values, (std::set<float>{0.f, 1.f}));  // black where nothing fell, else the whole value
 }
 
@@ -148,8 +149,9 @@ TEST(TileRenderer, AnExceptionEndsTheRender) {
       return Rgb(1.f);
     }
   };
-  Setup setup({1}, {600, 600});  // more tiles than may wait for the first one
-  TileRenderer renderer(setup.parts(Failing{}));
+  TestRender setup({1}, {600, 600});  // more tiles than may wait for the first one
+  const Failing failing;
+  TileRenderer renderer(setup.parts(failing));
   EXPECT_THROW(renderer.render({0, 1}, setup.stop, setup.stats, [](double, const Stats&) {}),
                SceneError);
 }
@@ -164,7 +166,7 @@ TEST(TileRenderer, FaultyRadianceIsCounted) {
       return x == 7 ? Rgb(-1.f) : Rgb(1.f);
     }
   };
-  Setup setup({2});
+  TestRender setup({2});
   const Faulty faulty;
   TileRenderer renderer(setup.parts(faulty));
   renderer.render({0, 2}, setup.stop, setup.stats, [](double, const Stats&) {});
@@ -174,7 +176,7 @@ TEST(TileRenderer, FaultyRadianceIsCounted) {
 }
 
 TEST(PassLoop, TakesTheRoundsThatWereAsked) {
-  Setup setup({4}, {20, 20});
+  TestRender setup({4}, {20, 20});
   const RenderOutcome outcome = setup.renderPortions({4, false, 9, {}, {}}, setup.noise);
   EXPECT_EQ(outcome.reason, StopReason::Done);
   EXPECT_EQ(outcome.samples, 36);
@@ -191,7 +193,7 @@ TEST(PassLoop, StopsAtTheTimeLimit) {
       return Rgb(1.f);
     }
   };
-  Setup setup({4}, {20, 20});
+  TestRender setup({4}, {20, 20});
   const RenderOutcome outcome = setup.renderPortions({4, false, {}, 0.1, {}}, Slow{});
   EXPECT_EQ(outcome.reason, StopReason::Time);
   EXPECT_GE(outcome.seconds, 0.1);
@@ -202,7 +204,7 @@ TEST(PassLoop, StopsAtTheTimeLimit) {
 }
 
 TEST(PassLoop, StopsAtTheTargetError) {
-  Setup setup({4}, {20, 20});
+  TestRender setup({4}, {20, 20});
   const RenderOutcome outcome = setup.renderPortions({4, false, {}, {}, 0.02}, setup.noise);
   EXPECT_EQ(outcome.reason, StopReason::Error);
   ASSERT_TRUE(outcome.estimatedError.has_value());
@@ -215,8 +217,7 @@ TEST(PassLoop, StopsAtTheTargetError) {
 }
 
 TEST(PassLoop, ReportsProgress) {
-  Setup setup({64}, {40, 40});
-  TileRenderer renderer(setup.parts(setup.noise));
+  TestRender setup({10}, {40, 40});
   double last = 0;
   int reports = 0;
   class Slow final : public RayRadiance {
@@ -227,8 +228,8 @@ TEST(PassLoop, ReportsProgress) {
     }
   };
   const Slow slow;
-  TileRenderer slowRenderer(setup.parts(slow));
-  renderPortions(slowRenderer, setup.film, {64, false, 1, {}, {}}, setup.stop, setup.stats,
+  TileRenderer renderer(setup.parts(slow));
+  renderPortions(renderer, setup.film, {10, false, 1, {}, {}}, setup.stop, setup.stats,
                  [&](const RenderProgress& p) {
                    EXPECT_GE(p.fraction, last);
                    EXPECT_LE(p.fraction, 1.0);
