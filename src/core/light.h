@@ -60,6 +60,9 @@ class Light {
   /// Position [render space] around which the emission falls off with distance squared; none for
   /// distant and infinite ones.
   virtual std::optional<Vec3> position() const { return std::nullopt; }
+  /// A part of range outside which no unscattered light of this one falls on the ray (spot lights:
+  /// the cone). Empty when none does.
+  virtual Interval illuminated(const Ray&, Interval range) const { return range; }
 };
 
 /// A light on a shape: exitant radiance.
