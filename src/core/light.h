@@ -29,6 +29,7 @@ class Light {
   struct FactoryContext {
     Transform lightToWorld;  ///< CTM shifted to render space
     Vec3d sceneOrigin{0};    ///< scene-space position of the render-space origin
+    bool quick = false;      ///< --quick: a quarter of the samples
     SourceLocation where;
     Log* log = nullptr;
   };
@@ -67,6 +68,7 @@ class AreaLight : public Light {
   static constexpr std::string_view kPluginKind = "AreaLightSource";
   struct FactoryContext {
     const Shape* shape = nullptr;
+    bool quick = false;  ///< --quick: a quarter of the samples
     SourceLocation where;
     Log* log = nullptr;
   };
