@@ -25,8 +25,17 @@ struct BsdfSample {
   Vec3 wi{0};     ///< unit; local space from a Lobe, render space from a Bsdf
   float pdf = 0;  ///< per solid angle; for specular lobes the probability of the lobe's choice
   LobeFlags flags = 0;
+  /// Specular transmission: index of refraction on the side of wo over that on the side of wi. Ray
+  /// footprints need it.
+  float eta = 1;
   bool isSpecular() const { return flags & kSpecular; }
   bool isTransmission() const { return flags & kTransmission; }
+};
+
+/// A scattering function and the density of its sampling for one pair of directions.
+struct BsdfValue {
+  Rgb f;          ///< [1/sr]
+  float pdf = 0;  ///< per solid angle
 };
 
 /// One scattering function in the local frame. wo and wi both point away from the surface. Lobes
@@ -44,6 +53,10 @@ class Lobe {
   virtual std::optional<BsdfSample> sample(const Vec3& wo, Vec2 u) const;
   /// Per solid angle; 0 for specular lobes.
   virtual float pdf(const Vec3& wo, const Vec3& wi) const;
+  /// Both at once, for lobes whose f and pdf share work.
+  virtual BsdfValue evaluate(const Vec3& wo, const Vec3& wi) const {
+    return {f(wo, wi), pdf(wo, wi)};
+  }
 
  protected:
   ~Lobe() = default;
@@ -54,7 +67,8 @@ class Lobe {
 
 inline float cosTheta(const Vec3& w) { return w.z; }
 inline float absCosTheta(const Vec3& w) { return std::abs(w.z); }
-inline float sin2Theta(const Vec3& w) { return std::max(0.f, 1.f - w.z * w.z); }
+/// From x and y: 1 - cos^2 would cancel near the pole.
+inline float sin2Theta(const Vec3& w) { return w.x * w.x + w.y * w.y; }
 inline float sinTheta(const Vec3& w) { return std::sqrt(sin2Theta(w)); }
 inline float cosPhi(const Vec3& w) {
   const float s = sinTheta(w);
@@ -113,6 +127,9 @@ class Bsdf {
   std::optional<BsdfSample> sample(const Vec3& wo, float uLobe, Vec2 u,
                                    LobeFlags accepted = kAllLobes) const;
   float pdf(const Vec3& wo, const Vec3& wi, LobeFlags accepted = kAllLobes) const;
+  /// f and pdf at once, at little more than the cost of one: what direct light with multiple
+  /// importance sampling needs.
+  BsdfValue evaluate(const Vec3& wo, const Vec3& wi, LobeFlags accepted = kAllLobes) const;
   /// Hemispherical-directional reflectance of the accepted lobes for wo, by n fixed stratified
   /// samples.
   Rgb reflectance(const Vec3& wo, LobeFlags accepted, int sqrtSamples = 4) const;

@@ -16,6 +16,7 @@ namespace brume {
 /// Filtered sums of one rectangle of samples; private to a thread until it is merged into the Film.
 class FilmTile {
  public:
+  /// `pixels` are those that get sums; samples may fall outside and reach in.
   FilmTile(const Bounds2i& pixels, const Filter& filter, bool withVariance);
   /// Adds radiance at a raster position to every pixel whose filter reaches it.
   void addSample(Vec2 raster, const Rgb& L);
@@ -30,13 +31,17 @@ class FilmTile {
   struct Moments {
     double w2 = 0;
     double w2L[3] = {0, 0, 0}, w2L2[3] = {0, 0, 0};
-    std::uint64_t samples = 0;
+    std::uint64_t samples = 0;  ///< that reached the pixel
   };
 
  private:
   friend class Film;
+  void addToPixel(Vec2i pixel, double w, const Rgb& L);
+
   Bounds2i pixels_;
   const Filter& filter_;
+  Vec2 radius_;
+  bool onePixelPerSample_ = false;  // the filter is the pixel's own square
   std::vector<Sums> sums_;
   std::vector<Moments> moments_;  // empty without variance
 };
@@ -47,12 +52,12 @@ class Film {
  public:
   static constexpr std::string_view kPluginKind = "Film";
   struct FactoryContext {
-    const Filter* filter = nullptr;  ///< owned by the caller, outlives the film
-    std::string
-        outputName;  ///< --outfile, used when the scene names none; wins with a warning otherwise
+    const Filter* filter = nullptr;            ///< owned by the caller, outlives the film
+    std::string outputName;                    ///< --outfile; wins over the scene's filename
     std::optional<Vec2i> resolution;           ///< --resolution
     std::optional<std::array<float, 4>> crop;  ///< --crop x0,x1,y0,y1
-    bool quick = false;
+    bool quick = false;                        ///< --quick
+    bool variance = false;                     ///< someone needs the variance (--error)
     SourceLocation where;
     Log* log = nullptr;
   };
@@ -76,11 +81,15 @@ class Film {
   /// Adds a tile's sums. Not thread-safe; call in a fixed order.
   void merge(const FilmTile& tile);
   /// The image so far: R, G, B = max(0, sum w L / sum w), 0 where nothing fell; "variance.R/G/B"
-  /// [variance of the pixel value] and "samples" when asked for.
+  /// [variance of the pixel value, unclamped; infinite below two samples] and "samples" when asked
+  /// for.
   LayeredImage develop() const;
   /// Square root of the mean over pixels and channels of variance / (value^2 + 0.01 mean^2): an
   /// estimate of the relative error. Needs withVariance.
   double estimatedRelativeError() const;
+
+  /// Bytes per pixel of a film with and without variance, the developed image included.
+  static std::size_t bytesPerPixel(bool withVariance);
 
  private:
   Settings settings_;

@@ -8,6 +8,11 @@
 
 namespace brume {
 
+/// Largest half-width of a filter [pixels]: bounds the work per sample.
+inline constexpr float kMaxFilterRadius = 64;
+/// Range of the half-widths that filters declare.
+inline constexpr Range<float> kFilterRadiusRange{0.f, kMaxFilterRadius, true};
+
 /// A separable reconstruction filter, w(x, y) = wx(x) wy(y), zero outside its radius. Not
 /// normalised: the film divides by the sum of weights.
 class Filter {
@@ -23,6 +28,8 @@ class Filter {
   virtual float weightX(float dx) const = 0;
   virtual float weightY(float dy) const = 0;
   float weight(float dx, float dy) const { return weightX(dx) * weightY(dy); }
+  /// Whether the weight is 1 everywhere within the radius: the film need not ask for it.
+  virtual bool isConstant() const { return false; }
 };
 
 }  // namespace brume

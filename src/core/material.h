@@ -37,8 +37,8 @@ class Material {
   virtual bool hasNonSpecular() const = 0;
   /// Adds the lobes with the scale that the bsdf has.
   virtual void addLobes(const SurfaceInteraction& at, Bsdf& bsdf) const = 0;
-
- protected:
+  /// The most lobes that addLobes can add: mix refuses sums above Bsdf::kMaxLobes.
+  virtual int maxLobes() const = 0;
   /// Displacement [scene length] for bump mapping; none by default.
   virtual const FloatSlot* bumpMap() const { return nullptr; }
 };

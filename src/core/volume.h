@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <memory>
 #include <string_view>
+#include <vector>
 
 #include "core/math.h"
 #include "core/params.h"
@@ -18,11 +20,37 @@ struct MediumCoefficients {
   Rgb sigma_a, sigma_s;  ///< absorption and scattering [1/length]
   Rgb Le;  ///< radiance added per unit length (PBRT-v2's meaning: not multiplied by sigma_a)
   Rgb sigma_t() const { return sigma_a + sigma_s; }
+
+  MediumCoefficients& operator+=(const MediumCoefficients& o) {
+    sigma_a += o.sigma_a;
+    sigma_s += o.sigma_s;
+    Le += o.Le;
+    return *this;
+  }
+  friend MediumCoefficients operator*(const MediumCoefficients& c, float s) {
+    return {c.sigma_a * s, c.sigma_s * s, c.Le * s};
+  }
+};
+
+/// A stretch of a ray on which a medium is `unit` times one scalar density known in closed form.
+struct MediumPiece {
+  enum class Form {
+    Exponential,  ///< c[0] exp(-k (t - e)), k = c[1], e the denser end: t0 for k >= 0, else t1
+    Cubic  ///< sum of c[i] times the Bernstein polynomial i of degree 3 over [t0, t1], c >= 0
+  };
+  Form form = Form::Exponential;
+  double t0 = 0, t1 = 0;
+  std::array<double, 4> c{};
+  const MediumCoefficients* unit = nullptr;
+
+  double density(double t) const;
+  /// Int_a^b density dt for t0 <= a <= b <= t1, exact to rounding and never negative.
+  double integral(double a, double b) const;
 };
 
 /// A participating medium in a region of render space. Immutable and thread-safe. Everything that
 /// can be computed exactly is. Rays are parametrised by t with a normalised direction, so t is a
-/// length; intervals must lie inside the ray.
+/// length; intervals must lie inside the ray, they may reach beyond the medium.
 class Volume {
  public:
   static constexpr std::string_view kPluginKind = "Volume";
@@ -34,26 +62,42 @@ class Volume {
   virtual ~Volume() = default;
 
   virtual Bounds3 bounds() const = 0;
-  /// The part of (0, ray.tMax) that may hold medium; none when the ray misses.
+  /// The part of (0, ray.tMax) that may hold medium; none when the ray misses. Empty ends are cut
+  /// off as far as that is cheap.
   virtual std::optional<Interval> intersect(const Ray& ray) const = 0;
   /// All zero outside.
   virtual MediumCoefficients at(const Vec3& p) const = 0;
+  /// No sigma_t in the region is larger.
+  virtual Rgb majorant() const = 0;
 
   /// Int_t0^t1 sigma_t(ray(t)) dt per channel.
   virtual Rgb opticalDepth(const Ray& ray, Interval range) const = 0;
   Rgb transmittance(const Ray& ray, Interval range) const { return exp(-opticalDepth(ray, range)); }
+  /// Of the whole ray (0, ray.tMax).
+  Rgb transmittance(const Ray& ray) const {
+    const auto range = intersect(ray);
+    return range ? transmittance(ray, *range) : Rgb(1.f);
+  }
   /// The t in range with Int_t0^t sigma_t[channel] = depth; none when the whole range holds less.
   virtual std::optional<float> invertOpticalDepth(const Ray& ray, Interval range, int channel,
                                                   float depth) const = 0;
-  /// Int_t0^t1 exp(-tau(t0, t)) Le(ray(t)) dt.
+  /// Int_t0^t1 exp(-tau(t0, t)) Le(ray(t)) dt, tau of this volume alone.
   virtual Rgb emission(const Ray& ray, Interval range) const = 0;
+  /// Appends the medium inside range as pieces, empty parts left out. Those of one region come in
+  /// order and do not overlap; a sum of volumes appends those of one after those of the other.
+  virtual void appendPieces(const Ray& ray, Interval range,
+                            std::vector<MediumPiece>& pieces) const = 0;
   virtual bool isEmissive() const = 0;
   virtual bool isScattering() const = 0;
 
-  /// Phase function value at p, the sigma_s-weighted mean where volumes overlap.
+  /// Phase function value at p [1/sr], the mean weighted by the luminance of sigma_s where volumes
+  /// overlap (PBRT-v2). At points without scattering the value has no meaning.
   virtual float phase(const Vec3& p, const Vec3& wo, const Vec3& wi) const = 0;
+  /// pdf = value = phase().
   virtual PhaseSample samplePhase(const Vec3& p, const Vec3& wo, float uComponent,
                                   Vec2 u) const = 0;
+  /// No phase function value in the region is larger [1/sr].
+  virtual float phasePeak() const = 0;
 };
 
 /// The sum of several volumes.

@@ -157,7 +157,8 @@ TEST(Sampling, Distribution2DIntegratesToOne) {
   const Distribution2D d(values, 32, 16);
   double sum = 0;
   for (int y = 0; y < 16; ++y)
-    for (int x = 0; x < 32; ++x) sum += d.pdf({(x + .5f) / 32, (y + .5f) / 16});
+    for (int x = 0; x < 32; ++x)
+      sum += d.pdf({(static_cast<float>(x) + .5f) / 32, (static_cast<float>(y) + .5f) / 16});
   EXPECT_NEAR(sum / (32 * 16), 1, 1e-5);
   for (int i = 0; i < 1000; ++i) {
     const auto s = d.sample(rng.uniform2());

@@ -3,123 +3,152 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
+#include <filesystem>
+
+#include "core/error.h"
 
 namespace brume {
-
 namespace {
 
-/// Below this a file is read: cheaper than a mapping, and safe when the file shrinks meanwhile.
-constexpr std::size_t kMappedFromBytes = std::size_t{1} << 22;
+/// The other files of the directory of `path`, for a spelling suggestion.
+std::vector<std::string> namesBeside(const std::filesystem::path& path) {
+  constexpr int kMaxNames = 4096;  // a suggestion must not cost a walk over a huge directory
+  std::vector<std::string> names;
+  std::error_code error;
+  const std::filesystem::path directory = path.has_parent_path() ? path.parent_path() : ".";
+  for (std::filesystem::directory_iterator it(directory, error), end;
+       !error && it != end && names.size() < kMaxNames; it.increment(error))
+    names.push_back(it->path().filename().string());
+  return names;
+}
 
-/// Closes a descriptor at the end of its scope.
+std::string missingFileText(const std::string& path, int error) {
+  if (error != ENOENT) return fmt::format("cannot open '{}': {}", path, std::strerror(error));
+  const std::filesystem::path p(path);
+  std::error_code ignored;
+  if (p.has_parent_path() && !std::filesystem::is_directory(p.parent_path(), ignored))
+    return fmt::format("cannot open '{}': the directory '{}' does not exist", path,
+                       p.parent_path().string());
+  return fmt::format("cannot open '{}': no such file{}", path,
+                     nearestSpelling(p.filename().string(), namesBeside(p)));
+}
+
 struct Descriptor {
-  int fd = -1;
-  explicit Descriptor(int d) : fd(d) {}
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
+  int value;
   ~Descriptor() {
-    if (fd >= 0) ::close(fd);
+    if (value >= 0) ::close(value);
   }
 };
 
-[[noreturn]] void failToRead(const std::string& path, const SourceLocation& blame,
-                             std::string_view reason) {
-  throw SceneError(blame, fmt::format("cannot read '{}': {}", path, reason));
-}
-
 }  // namespace
 
-FileBytes FileBytes::open(const std::string& path, Accept accept, const SourceLocation& blame) {
-  if (path.find('\0') != std::string::npos)
-    throw SceneError(blame, "a file name must not hold a zero byte");
-  // A pipe without a writer must not block where no pipe is wanted.
-  const int flags = O_RDONLY | O_CLOEXEC | (accept == Accept::Streams ? 0 : O_NONBLOCK);
-  const Descriptor file(::open(path.c_str(), flags));
-  struct stat status = {};
-  if (file.fd < 0 || ::fstat(file.fd, &status) != 0) failToRead(path, blame, std::strerror(errno));
-  if (S_ISDIR(status.st_mode)) failToRead(path, blame, "it is a directory");
-  if (!S_ISREG(status.st_mode)) {
-    if (accept == Accept::RegularFiles || !(S_ISFIFO(status.st_mode) || S_ISCHR(status.st_mode)))
-      failToRead(path, blame, "it is no regular file");
-    return readStream(file.fd, path, blame);
-  }
-
-  FileBytes result;
-  result.identity_ = Identity{static_cast<std::uint64_t>(status.st_dev),
-                              static_cast<std::uint64_t>(status.st_ino)};
-  const std::size_t size = static_cast<std::size_t>(status.st_size);
-  if (size < kMappedFromBytes) {
-    FileBytes content = readStream(file.fd, path, blame);
-    content.identity_ = result.identity_;
-    return content;
-  }
-  void* mapped = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file.fd, 0);
-  if (mapped == MAP_FAILED) failToRead(path, blame, std::strerror(errno));
-  ::madvise(mapped, size, MADV_SEQUENTIAL);
-  result.mapped_ = mapped;
-  result.view_ = {static_cast<const char*>(mapped), size};
-  return result;
+std::string formatBytes(double bytes) {
+  const char* const units[] = {"bytes", "KiB", "MiB", "GiB", "TiB", "PiB", "EiB"};
+  int unit = 0;
+  for (; bytes >= 1024 && unit < 6; ++unit) bytes /= 1024;
+  return unit == 0 ? fmt::format("{:.0f} bytes", bytes)
+                   : fmt::format("{:.1f} {}", bytes, units[unit]);
 }
 
-FileBytes FileBytes::standardInput() {
-  return readStream(STDIN_FILENO, "standard input", SourceLocation{});
-}
+Bytes readFileBytes(const std::string& path, std::uint64_t limit) {
+  const Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC)};
+  if (file.value < 0) throw SceneError(missingFileText(path, errno));
+  struct stat info {};
+  if (::fstat(file.value, &info) != 0)
+    throw SceneError(fmt::format("cannot read '{}': {}", path, std::strerror(errno)));
+  if (S_ISDIR(info.st_mode)) throw SceneError(fmt::format("'{}' is a directory", path));
+  if (!S_ISREG(info.st_mode) && !S_ISFIFO(info.st_mode))
+    throw SceneError(fmt::format("'{}' is neither a file nor a pipe", path));
+  const auto tooLarge = [&](double size) {
+    return SceneError(fmt::format("'{}' is too large: {}; the limit is {}", path, formatBytes(size),
+                                  formatBytes(static_cast<double>(limit))));
+  };
+  if (S_ISREG(info.st_mode) && static_cast<std::uint64_t>(info.st_size) > limit)
+    throw tooLarge(static_cast<double>(info.st_size));
 
-FileBytes FileBytes::borrow(std::string_view text) {
-  FileBytes result;
-  result.view_ = text;
-  return result;
-}
-
-FileBytes FileBytes::readStream(int descriptor, const std::string& name,
-                                const SourceLocation& blame) {
-  FileBytes result;
-  std::size_t filled = 0;
+  // A regular file arrives in one read; a pipe of unknown size grows by pieces.
+  constexpr std::size_t kPiece = 1 << 16;
+  Bytes bytes(S_ISREG(info.st_mode) ? static_cast<std::size_t>(info.st_size) + 1 : kPiece);
+  std::size_t size = 0;
   for (;;) {
-    constexpr std::size_t kChunk = std::size_t{1} << 16;
-    if (filled + kChunk > result.owned_.size()) result.owned_.resize(filled + filled / 2 + kChunk);
-    const ssize_t n = ::read(descriptor, result.owned_.data() + filled, kChunk);
-    if (n < 0 && errno == EINTR) continue;
-    if (n < 0) failToRead(name, blame, std::strerror(errno));
-    if (n == 0) break;
-    filled += static_cast<std::size_t>(n);
-    if (filled > kMaxStreamBytes)
-      failToRead(name, blame,
-                 fmt::format("a stream may hold at most {} MiB; give the file by its name",
-                             kMaxStreamBytes >> 20));
+    if (size == bytes.size()) bytes.resize(2 * size);
+    const ssize_t got = ::read(file.value, bytes.data() + size, bytes.size() - size);
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) throw SceneError(fmt::format("cannot read '{}': {}", path, std::strerror(errno)));
+    if (got == 0) break;
+    size += static_cast<std::size_t>(got);
+    if (size > limit) throw tooLarge(static_cast<double>(size));
   }
-  result.owned_.resize(filled);
-  result.owned_.shrink_to_fit();
-  result.view_ = {result.owned_.data(), filled};
-  return result;
+  bytes.resize(size);
+  return bytes;
 }
 
-FileBytes& FileBytes::operator=(FileBytes&& o) noexcept {
-  if (this == &o) return *this;
-  if (mapped_) ::munmap(mapped_, view_.size());
-  owned_ = std::move(o.owned_);
-  view_ = o.view_;
-  mapped_ = std::exchange(o.mapped_, nullptr);
-  identity_ = o.identity_;
-  o.view_ = {};
-  return *this;
+AtomicFile::AtomicFile(const std::string& path) : path_(path), target_(path) {
+  std::error_code error;
+  if (std::filesystem::is_symlink(path, error)) {
+    const auto resolved = std::filesystem::weakly_canonical(path, error);
+    if (!error) target_ = resolved.string();
+  }
+  const bool exists = std::filesystem::exists(target_, error);
+  // A directory, and a device too: renaming would replace it.
+  if (exists && !std::filesystem::is_regular_file(target_, error))
+    throw SceneError(fmt::format("cannot write '{}': it exists and is not a regular file", path));
+  if (exists && ::access(target_.c_str(), W_OK) != 0) fail("write", errno);
+
+  static std::atomic<unsigned> counter{0};
+  for (int attempt = 0; attempt < 100 && descriptor_ < 0; ++attempt) {
+    temporary_ = fmt::format("{}.{}-{}.part", target_, ::getpid(), counter++);
+    descriptor_ = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (descriptor_ < 0 && errno != EEXIST) break;
+  }
+  if (descriptor_ < 0) {
+    const int code = errno;
+    temporary_.clear();
+    fail("write", code);
+  }
 }
 
-FileBytes::~FileBytes() {
-  if (mapped_) ::munmap(mapped_, view_.size());
+AtomicFile::~AtomicFile() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+  if (!temporary_.empty()) ::unlink(temporary_.c_str());
 }
 
-void FileBytes::release(std::size_t begin, std::size_t end) const {
-  if (!mapped_) return;
-  const std::size_t page = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
-  const std::size_t first = (begin + page - 1) / page * page, last = end / page * page;
-  if (first < last) ::madvise(static_cast<char*>(mapped_) + first, last - first, MADV_DONTNEED);
+void AtomicFile::fail(const std::string& what, int error) const {
+  throw SceneError(fmt::format("cannot {} '{}': {}", what, path_, std::strerror(error)));
+}
+
+void AtomicFile::write(const void* data, std::size_t size) {
+  const char* bytes = static_cast<const char*>(data);
+  while (size > 0) {
+    const ssize_t written = ::write(descriptor_, bytes, size);
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) fail("write", errno);
+    bytes += written;
+    size -= static_cast<std::size_t>(written);
+    position_ += static_cast<std::uint64_t>(written);
+  }
+}
+
+void AtomicFile::seek(std::uint64_t position) {
+  if (::lseek(descriptor_, static_cast<off_t>(position), SEEK_SET) < 0) fail("write", errno);
+  position_ = position;
+}
+
+void AtomicFile::commit() {
+  // Some file systems cannot synchronise (EINVAL); a full disk or a lost server is an error here.
+  if (::fsync(descriptor_) != 0 && errno != EINVAL && errno != ENOTSUP) fail("write", errno);
+  const int closed = ::close(descriptor_);
+  descriptor_ = -1;
+  if (closed != 0) fail("write", errno);
+  if (std::rename(temporary_.c_str(), target_.c_str()) != 0) fail("write", errno);
+  temporary_.clear();
 }
 
 }  // namespace brume

@@ -1,57 +1,48 @@
 // SPDX-License-Identifier: Apache-2.0
-// The bytes of an input file. Large files are mapped, so that text which has been read needs no
-// memory.
+// Whole files in and out: reading with a size limit, writing that appears whole or not at all.
 #pragma once
 
 #include <cstddef>
-#include <optional>
+#include <cstdint>
+#include <span>
 #include <string>
-#include <string_view>
-#include <utility>
 #include <vector>
-
-#include "core/error.h"
 
 namespace brume {
 
-/// The content of a file for as long as the object lives. Movable; the view stays valid.
-class FileBytes {
+using Bytes = std::vector<unsigned char>;
+using ByteSpan = std::span<const unsigned char>;
+
+/// The bytes of a regular file (or a pipe) of at most `limit` bytes. Throws SceneError with the
+/// reason; for a missing file it names the nearest spelling in the same directory.
+Bytes readFileBytes(const std::string& path, std::uint64_t limit);
+
+/// A file that is written beside its final place and renamed into it by commit(); without commit()
+/// nothing remains. A symbolic link is followed, so that its target is replaced.
+class AtomicFile {
  public:
-  enum class Accept {
-    RegularFiles,  ///< anything else (directory, pipe, device) is an error
-    Streams        ///< pipes too; they are read to their end, at most kMaxStreamBytes
-  };
-  static constexpr std::size_t kMaxStreamBytes = std::size_t{1} << 30;
+  /// Opens the temporary file; throws SceneError when the directory cannot be written.
+  explicit AtomicFile(const std::string& path);
+  ~AtomicFile();
+  AtomicFile(const AtomicFile&) = delete;
+  AtomicFile& operator=(const AtomicFile&) = delete;
 
-  /// Throws SceneError at `blame` with the reason when the file cannot be read.
-  static FileBytes open(const std::string& path, Accept accept, const SourceLocation& blame);
-  static FileBytes standardInput();
-  /// A view of memory that outlives the object.
-  static FileBytes borrow(std::string_view text);
-
-  FileBytes(FileBytes&& o) noexcept { *this = std::move(o); }
-  FileBytes& operator=(FileBytes&& o) noexcept;
-  FileBytes(const FileBytes&) = delete;
-  FileBytes& operator=(const FileBytes&) = delete;
-  ~FileBytes();
-
-  std::string_view view() const { return view_; }
-  /// The pages that lie wholly in [begin, end) need not stay in memory; they come back when they
-  /// are read again.
-  void release(std::size_t begin, std::size_t end) const;
-
-  /// Two paths lead to the same file when these are equal; none for streams and memory.
-  using Identity = std::pair<std::uint64_t, std::uint64_t>;
-  const std::optional<Identity>& identity() const { return identity_; }
+  /// At the current position; throws SceneError (disk full, quota, ...).
+  void write(const void* data, std::size_t size);
+  std::uint64_t position() const { return position_; }
+  void seek(std::uint64_t position);
+  /// Flushes to the disk and renames.
+  void commit();
 
  private:
-  FileBytes() = default;
-  static FileBytes readStream(int descriptor, const std::string& name, const SourceLocation& blame);
+  [[noreturn]] void fail(const std::string& what, int error) const;
 
-  std::string_view view_;
-  std::vector<char> owned_;  // small files and streams; does not move in memory as a string may
-  void* mapped_ = nullptr;   // large files
-  std::optional<Identity> identity_;
+  std::string path_, target_, temporary_;
+  int descriptor_ = -1;
+  std::uint64_t position_ = 0;
 };
+
+/// "1.5 GiB", for messages.
+std::string formatBytes(double bytes);
 
 }  // namespace brume

@@ -9,7 +9,7 @@
 namespace brume {
 
 std::vector<float> readFloatFile(const std::string& path, const SourceLocation& blame) {
-  SourceFile file(FileBytes::open(path, FileBytes::Accept::RegularFiles, blame),
+  SourceFile file(InputFile::open(path, InputFile::Accept::RegularFiles, blame),
                   internFileName(path));
   const std::string_view text = file.text();
   const char* p = text.data();

@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "core/error.h"
-#include "core/io/file_bytes.h"
+#include "core/io/input_file.h"
 
 namespace brume {
 
@@ -18,11 +18,11 @@ const std::string* internFileName(std::string_view name);
 /// byte once.
 class SourceFile {
  public:
-  SourceFile(FileBytes bytes, const std::string* name) : bytes_(std::move(bytes)), name_(name) {}
+  SourceFile(InputFile bytes, const std::string* name) : bytes_(std::move(bytes)), name_(name) {}
 
   std::string_view text() const { return bytes_.view(); }
   const std::string* name() const { return name_; }
-  const std::optional<FileBytes::Identity>& identity() const { return bytes_.identity(); }
+  const std::optional<InputFile::Identity>& identity() const { return bytes_.identity(); }
   /// Line and column of a position in text().
   SourceLocation locate(const char* position);
   /// Text before `position` will not be read soon: counts its lines and lets go of its memory.
@@ -31,7 +31,7 @@ class SourceFile {
   void forget(const char* begin, const char* end) const;
 
  private:
-  FileBytes bytes_;
+  InputFile bytes_;
   const std::string* name_;
   std::size_t counted_ = 0;  // newlines are counted up to here
   std::size_t lineStart_ = 0;

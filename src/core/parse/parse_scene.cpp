@@ -43,10 +43,10 @@ class Session {
 
 void readFile(Session& session, const std::string& path) {
   if (path == "-") {
-    session.read(SourceFile(FileBytes::standardInput(), internFileName("<stdin>")), "");
+    session.read(SourceFile(InputFile::standardInput(), internFileName("<stdin>")), "");
     return;
   }
-  FileBytes bytes = FileBytes::open(path, FileBytes::Accept::Streams, SourceLocation{});
+  InputFile bytes = InputFile::open(path, InputFile::Accept::Streams, SourceLocation{});
   session.read(SourceFile(std::move(bytes), internFileName(path)),
                std::filesystem::path(path).parent_path().string());
 }
@@ -69,7 +69,7 @@ void parseSceneText(std::string_view text, const std::string& name,
                     const std::string& searchDirectory, const ParseSettings& settings, Log& log,
                     const std::function<void(SceneDescription)>& onFrame) {
   Session session(settings, log, onFrame);
-  session.read(SourceFile(FileBytes::borrow(text), internFileName(name)), searchDirectory);
+  session.read(SourceFile(InputFile::borrow(text), internFileName(name)), searchDirectory);
   session.finish();
 }
 

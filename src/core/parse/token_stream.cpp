@@ -64,7 +64,7 @@ void TokenStream::include(const std::string& name, const SourceLocation& where) 
   if (++includeCount_ > kMaxIncludes)
     throw SceneError(where, fmt::format("there are more than {} Includes", kMaxIncludes));
   const std::string path = resolvePath(searchDirectory_, name);
-  FileBytes bytes = FileBytes::open(path, FileBytes::Accept::RegularFiles, where);
+  InputFile bytes = InputFile::open(path, InputFile::Accept::RegularFiles, where);
   for (std::size_t i = 0; i < frames_.size(); ++i) {
     if (!bytes.identity() || frames_[i].file.identity() != bytes.identity()) continue;
     std::string chain;

@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: Apache-2.0
+# Set-up shared by ./render, ./check and .ci/run: packages and the build. Sourced, not run; expects
+# $root (this checkout) and `set -euo pipefail`.
+
+# What a build of brume needs beside a bare Debian 12. Fuzzing and the format check add clang.
+brume_packages=(
+  build-essential cmake ninja-build ca-certificates
+  libembree-dev libtbb-dev libopenexr-dev libglm-dev libfmt-dev libcli11-dev nlohmann-json3-dev
+  libstb-dev libgtest-dev libgmock-dev libbenchmark-dev
+)
+brume_ci_packages=(clang clang-format libclang-rt-14-dev)
+
+# Installs those of the given packages that are missing; asks dpkg only, when none is.
+install_packages() {
+  local missing=() package
+  for package in "$@"; do
+    [[ $(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null || true) == installed ]] ||
+      missing+=("$package")
+  done
+  ((${#missing[@]} == 0)) && return
+  local as_root=()
+  if ((EUID != 0)); then
+    command -v sudo >/dev/null ||
+      { echo "these packages are missing, and neither root nor sudo is at hand: ${missing[*]}" >&2; exit 1; }
+    as_root=(sudo)
+  fi
+  echo "Installing ${missing[*]}" >&2
+  "${as_root[@]}" apt-get -qq update </dev/null >&2
+  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
+    apt-get -qq install -y --no-install-recommends "${missing[@]}" </dev/null >&2
+}
+
+# Compilers that run at once: one per processor, but each may take 1 GiB (2 GiB with sanitizers).
+build_jobs() {
+  local gib_each=${1:-1} processors memory_kib
+  processors=$(nproc)
+  memory_kib=$(awk '/^MemAvailable:/ {print $2}' /proc/meminfo)
+  local by_memory=$((memory_kib / (gib_each * 1024 * 1024)))
+  ((by_memory < 1)) && by_memory=1
+  echo $((processors < by_memory ? processors : by_memory))
+}
+
+# build PRESET FOLDER [TARGET...]: configures once, with $cmake_options, then lets ninja decide. Shows
+# the progress of a first build; silent when nothing is to do.
+cmake_options=()
+build() {
+  local preset=$1 folder=$2 gib=1 launcher=() quiet=() log
+  shift 2
+  if [[ $preset != release ]]; then gib=2; fi
+  if [[ -f $root/$folder/build.ninja ]]; then
+    quiet=(--quiet)
+  else
+    if command -v ccache >/dev/null; then launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache); fi
+    log=$(cd "$root" &&
+      cmake --preset "$preset" -B "$folder" "${launcher[@]}" "${cmake_options[@]}" 2>&1) ||
+      { printf '%s\n' "$log" >&2; exit 2; }
+  fi
+  ninja -C "$root/$folder" -j "$(build_jobs "$gib")" "${quiet[@]}" "$@" >&2 || exit 2
+}

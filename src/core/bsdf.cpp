@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/bsdf.h"
+
+#include "core/error.h"
+#include "core/rng.h"
+#include "core/sampling.h"
+
+namespace brume {
+
+std::optional<BsdfSample> Lobe::sample(const Vec3& wo, Vec2 u) const {
+  Vec3 wi = sampleCosineHemisphere(u);
+  if (wo.z < 0.f) wi.z = -wi.z;
+  const BsdfValue value = evaluate(wo, wi);
+  if (!(value.pdf > 0.f)) return std::nullopt;
+  return BsdfSample{value.f, wi, value.pdf, flags_};
+}
+
+float Lobe::pdf(const Vec3& wo, const Vec3& wi) const {
+  return sameHemisphere(wo, wi) ? absCosTheta(wi) * kInvPi : 0.f;
+}
+
+void Bsdf::reset(const Vec3& ns, const Vec3& dpdu, const Vec3& ng) {
+  // The bitangent first: the cross product in double is orthogonal to ns however near to parallel
+  // the two are and however long dpdu is.
+  const Vec3d bitangent = cross(Vec3d(ns), Vec3d(dpdu));
+  const double l2 = dot(bitangent, bitangent);
+  if (l2 > 0 && std::isfinite(l2)) {
+    frame_.z = ns;
+    frame_.y = Vec3(bitangent * (1 / std::sqrt(l2)));
+    frame_.x = cross(frame_.y, ns);
+  } else {
+    frame_ = Frame::fromZ(ns);
+  }
+  ng_ = ng;
+  presentScale_ = Rgb(1.f);
+  count_ = 0;
+}
+
+void Bsdf::checkRoom() const { BRUME_CHECK(count_ < kMaxLobes); }
+
+int Bsdf::countMatching(LobeFlags accepted) const {
+  int n = 0;
+  for (int i = 0; i < count_; ++i) n += lobe(i).matches(accepted) ? 1 : 0;
+  return n;
+}
+
+namespace {
+
+/// Where wi lies seen from wo by the geometric normal; 0 when either is exactly grazing. Signs are
+/// compared because the product of two small cosines may underflow.
+LobeFlags geometricSide(const Vec3& wo, const Vec3& wi, const Vec3& ng) {
+  const float o = dot(wo, ng), i = dot(wi, ng);
+  if (o == 0.f || i == 0.f) return 0;
+  return (o > 0.f) == (i > 0.f) ? kReflection : kTransmission;
+}
+
+}  // namespace
+
+Rgb Bsdf::f(const Vec3& wo, const Vec3& wi, LobeFlags accepted) const {
+  const LobeFlags side = geometricSide(wo, wi, ng_);
+  const Vec3 o = frame_.toLocal(wo), i = frame_.toLocal(wi);
+  Rgb sum;
+  for (int k = 0; k < count_; ++k) {
+    const Lobe& l = lobe(k);
+    if (l.matches(accepted) && (l.flags() & side)) sum += scale_[k] * l.f(o, i);
+  }
+  return sum;
+}
+
+float Bsdf::pdf(const Vec3& wo, const Vec3& wi, LobeFlags accepted) const {
+  const Vec3 o = frame_.toLocal(wo), i = frame_.toLocal(wi);
+  float sum = 0;
+  int matching = 0;
+  for (int k = 0; k < count_; ++k) {
+    const Lobe& l = lobe(k);
+    if (!l.matches(accepted)) continue;
+    sum += l.pdf(o, i);
+    ++matching;
+  }
+  return matching > 0 ? sum / static_cast<float>(matching) : 0.f;
+}
+
+BsdfValue Bsdf::evaluate(const Vec3& wo, const Vec3& wi, LobeFlags accepted) const {
+  const LobeFlags side = geometricSide(wo, wi, ng_);
+  const Vec3 o = frame_.toLocal(wo), i = frame_.toLocal(wi);
+  BsdfValue sum;
+  int matching = 0;
+  for (int k = 0; k < count_; ++k) {
+    const Lobe& l = lobe(k);
+    if (!l.matches(accepted)) continue;
+    ++matching;
+    const BsdfValue value = l.evaluate(o, i);
+    sum.pdf += value.pdf;
+    if (l.flags() & side) sum.f += scale_[k] * value.f;
+  }
+  if (matching > 0) sum.pdf /= static_cast<float>(matching);
+  return sum;
+}
+
+std::optional<BsdfSample> Bsdf::sample(const Vec3& wo, float uLobe, Vec2 u,
+                                       LobeFlags accepted) const {
+  // Pick one of the matching lobes uniformly.
+  int matching[kMaxLobes];
+  int n = 0;
+  for (int k = 0; k < count_; ++k)
+    if (lobe(k).matches(accepted)) matching[n++] = k;
+  if (n == 0) return std::nullopt;
+  const int chosen = matching[std::min(static_cast<int>(uLobe * static_cast<float>(n)), n - 1)];
+
+  const Vec3 o = frame_.toLocal(wo);
+  std::optional<BsdfSample> s = lobe(chosen).sample(o, u);
+  if (!s) return std::nullopt;
+  const Vec3 i = s->wi;
+  s->wi = normalize(frame_.fromLocal(i));
+  s->f *= scale_[chosen];
+  if (s->isSpecular()) {
+    // A specular f is divided by the cosine: by the one that the caller multiplies with, or
+    // rounding would make fireflies at grazing angles.
+    const float cosine = absDot(s->wi, frame_.z);
+    if (!(cosine > 0.f) || s->f.isBlack()) return std::nullopt;
+    s->f *= absCosTheta(i) / cosine;
+    s->pdf /= static_cast<float>(n);
+    return s;
+  }
+
+  // Everything that the other lobes would do with the same direction.
+  const LobeFlags side = geometricSide(wo, s->wi, ng_);
+  if (!(lobe(chosen).flags() & side)) s->f = Rgb();
+  for (int j = 0; j < n; ++j) {
+    const int k = matching[j];
+    if (k == chosen) continue;
+    const Lobe& l = lobe(k);
+    const BsdfValue value = l.evaluate(o, i);
+    s->pdf += value.pdf;
+    if (l.flags() & side) s->f += scale_[k] * value.f;
+  }
+  if (s->f.isBlack()) return std::nullopt;
+  s->pdf /= static_cast<float>(n);
+  return s;
+}
+
+Rgb Bsdf::reflectance(const Vec3& wo, LobeFlags accepted, int sqrtSamples) const {
+  const Vec3 o = frame_.toLocal(wo);
+  const float cell = 1.f / static_cast<float>(sqrtSamples);
+  Rgb sum;
+  for (int k = 0; k < count_; ++k) {
+    const Lobe& l = lobe(k);
+    if (!l.matches(accepted)) continue;
+    Rng rng(hashIntegers(k));  // the same jitter for every point: no noise between neighbours
+    Rgb lobeSum;
+    for (int y = 0; y < sqrtSamples; ++y)
+      for (int x = 0; x < sqrtSamples; ++x) {
+        const Vec2 u = (Vec2(x, y) + rng.uniform2()) * cell;
+        const auto s =
+            l.sample(o, {std::min(u.x, kOneMinusEpsilon), std::min(u.y, kOneMinusEpsilon)});
+        if (s) lobeSum += s->f * (absCosTheta(s->wi) / s->pdf);
+      }
+    sum += scale_[k] * lobeSum * (cell * cell);
+  }
+  return sum;
+}
+
+}  // namespace brume

@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/io/image_integrity.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+#include "core/error.h"
+#include "core/io/image_limits.h"
+
+namespace brume {
+namespace {
+
+[[noreturn]] void truncated(const char* format) {
+  throw SceneError(fmt::format("truncated {} file", format));
+}
+
+bool startsWith(ByteSpan bytes, std::string_view prefix) {
+  return bytes.size() >= prefix.size() &&
+         std::equal(prefix.begin(), prefix.end(), bytes.begin(),
+                    [](char a, unsigned char b) { return static_cast<unsigned char>(a) == b; });
+}
+
+std::uint32_t bigEndian32(ByteSpan b) {
+  return std::uint32_t{b[0]} << 24 | std::uint32_t{b[1]} << 16 | std::uint32_t{b[2]} << 8 | b[3];
+}
+
+/// CRC-32 of ISO 3309, as PNG chunks carry it.
+std::uint32_t crc32(ByteSpan bytes) {
+  static const auto kTable = [] {
+    std::array<std::uint32_t, 256> table{};
+    for (std::uint32_t i = 0; i < 256; ++i) {
+      std::uint32_t c = i;
+      for (int bit = 0; bit < 8; ++bit) c = c & 1 ? 0xedb88320u ^ (c >> 1) : c >> 1;
+      table[i] = c;
+    }
+    return table;
+  }();
+  std::uint32_t crc = 0xffffffffu;
+  for (const unsigned char b : bytes) crc = kTable[(crc ^ b) & 0xff] ^ (crc >> 8);
+  return ~crc;
+}
+
+/// Signature, then chunks of length, type, data and checksum up to IEND.
+void checkPng(ByteSpan bytes) {
+  for (std::size_t at = 8;;) {
+    if (bytes.size() - at < 12) truncated("PNG");
+    const std::size_t length = bigEndian32(bytes.subspan(at, 4));
+    if (length > bytes.size() - at - 12) truncated("PNG");
+    const ByteSpan typeAndData = bytes.subspan(at + 4, length + 4);
+    if (crc32(typeAndData) != bigEndian32(bytes.subspan(at + 8 + length, 4)))
+      throw SceneError(fmt::format("corrupt PNG file: wrong checksum of the chunk at byte {}", at));
+    if (startsWith(typeAndData, "IEND")) return;
+    at += 12 + length;
+  }
+}
+
+/// Segments up to the first scan, then an end-of-image marker somewhere behind.
+void checkJpeg(ByteSpan bytes) {
+  constexpr unsigned char kStartOfScan = 0xda, kEndOfImage = 0xd9;
+  for (std::size_t at = 2;;) {
+    while (at < bytes.size() && bytes[at] != 0xff) ++at;
+    while (at < bytes.size() && bytes[at] == 0xff) ++at;
+    if (bytes.size() - at < 3) truncated("JPEG");
+    if (bytes[at] == kStartOfScan) break;
+    at += 1 + (std::size_t{bytes[at + 1]} << 8 | bytes[at + 2]);
+    if (at >= bytes.size()) truncated("JPEG");
+  }
+  for (std::size_t i = bytes.size() - 1; i > 2; --i)
+    if (bytes[i] == kEndOfImage && bytes[i - 1] == 0xff) return;
+  truncated("JPEG");
+}
+
+struct TgaHeader {
+  unsigned idLength, mapType, imageType, mapLength, mapBits, width, height, bits;
+  std::size_t pixelStart() const { return 18 + idLength + mapLength * ((mapBits + 7) / 8); }
+};
+constexpr std::size_t kTgaHeaderSize = 18;
+
+TgaHeader readTgaHeader(ByteSpan b) {
+  const auto u16 = [&](std::size_t i) { return b[i] | static_cast<unsigned>(b[i + 1]) << 8; };
+  const unsigned mapLength = b[1] ? u16(5) : 0;
+  return {b[0], b[1], b[2], mapLength, b[7], u16(12), u16(14), b[16]};
+}
+
+bool isPlausibleTga(ByteSpan bytes) {
+  if (bytes.size() < kTgaHeaderSize) return false;
+  const TgaHeader h = readTgaHeader(bytes);
+  const bool mapped = h.imageType == 1 || h.imageType == 9;
+  const bool coloured = h.imageType == 2 || h.imageType == 10;
+  const bool grey = h.imageType == 3 || h.imageType == 11;
+  if (h.width == 0 || h.height == 0 || h.mapType > 1 || (!mapped && !coloured && !grey))
+    return false;
+  if (mapped && (h.mapType != 1 || h.mapLength == 0)) return false;
+  if (h.mapType == 1 && h.mapBits != 15 && h.mapBits != 16 && h.mapBits != 24 && h.mapBits != 32)
+    return false;
+  if (coloured) return h.bits == 15 || h.bits == 16 || h.bits == 24 || h.bits == 32;
+  return h.bits == 8 || (h.bits == 16 && grey);
+}
+
+/// Pixels stored plainly, or as packets: a byte with count - 1 and a run flag, then one or count
+/// pixels.
+void checkTga(ByteSpan bytes) {
+  const TgaHeader h = readTgaHeader(bytes);
+  const std::size_t pixelBytes = (h.bits + 7) / 8;
+  const std::size_t pixels = std::size_t{h.width} * h.height;
+  std::size_t at = h.pixelStart();
+  if (h.imageType < 8) {
+    if (bytes.size() < at || bytes.size() - at < pixels * pixelBytes) truncated("TGA");
+    return;
+  }
+  for (std::size_t done = 0; done < pixels;) {
+    if (at >= bytes.size()) truncated("TGA");
+    const std::size_t count = (bytes[at] & 0x7fu) + 1u;
+    at += 1 + (bytes[at] & 0x80u ? 1 : count) * pixelBytes;
+    done += count;
+    if (at > bytes.size()) truncated("TGA");
+  }
+}
+
+/// One line of the text header; `at` moves behind its end.
+std::string_view nextLine(ByteSpan bytes, std::size_t& at) {
+  const std::size_t start = at;
+  while (at < bytes.size() && bytes[at] != '\n') ++at;
+  if (at >= bytes.size()) truncated("HDR");
+  return {reinterpret_cast<const char*>(bytes.data()) + start, at++ - start};
+}
+
+/// Run-length coded scan line of `width` pixels: four planes of runs and literals.
+void skipHdrScanline(ByteSpan bytes, std::size_t& at, int width) {
+  if (bytes.size() - at < 4) truncated("HDR");
+  if (bytes[at] != 2 || bytes[at + 1] != 2 || (bytes[at + 2] << 8 | bytes[at + 3]) != width)
+    throw SceneError("corrupt HDR file: bad start of a scan line");
+  at += 4;
+  for (int plane = 0; plane < 4; ++plane)
+    for (int done = 0; done < width;) {
+      if (at >= bytes.size()) truncated("HDR");
+      const int code = bytes[at++];
+      const int count = code > 128 ? code - 128 : code;
+      if (count == 0 || count > width - done) throw SceneError("corrupt HDR file: bad run length");
+      at += code > 128 ? 1 : static_cast<std::size_t>(count);
+      done += count;
+      if (at > bytes.size()) truncated("HDR");
+    }
+}
+
+void checkHdr(ByteSpan bytes) {
+  std::size_t at = 0;
+  while (!nextLine(bytes, at).empty()) {
+  }
+  int width = 0, height = 0;
+  const std::string resolution(nextLine(bytes, at));
+  if (std::sscanf(resolution.c_str(), "-Y %d +X %d", &height, &width) != 2)
+    throw SceneError("HDR files must have their rows from the top ('-Y height +X width')");
+  // A run of 127 equal bytes takes two.
+  checkImageSize(width, height, 12, bytes.size(), 12. / 4 * 64);
+
+  const bool codable = width >= 8 && width < 32768;
+  const bool coded = codable && bytes.size() - at >= 4 && bytes[at] == 2 && bytes[at + 1] == 2 &&
+                     bytes[at + 2] < 128;
+  if (coded) {
+    for (int y = 0; y < height; ++y) skipHdrScanline(bytes, at, width);
+  } else if ((bytes.size() - at) / 4 / static_cast<std::size_t>(width) <
+             static_cast<std::size_t>(height)) {
+    truncated("HDR");
+  }
+}
+
+}  // namespace
+
+StbFormat detectStbFormat(ByteSpan bytes) {
+  if (startsWith(bytes, "\x89PNG\r\n\x1a\n")) return StbFormat::Png;
+  if (startsWith(bytes, "\xff\xd8\xff")) return StbFormat::Jpeg;
+  if (startsWith(bytes, "#?RADIANCE\n") || startsWith(bytes, "#?RGBE\n")) return StbFormat::Hdr;
+  if (isPlausibleTga(bytes)) return StbFormat::Tga;
+  throw SceneError("not a PNG, JPEG, TGA or HDR file");
+}
+
+void checkIntegrity(StbFormat format, ByteSpan bytes) {
+  switch (format) {
+    case StbFormat::Png:
+      return checkPng(bytes);
+    case StbFormat::Jpeg:
+      return checkJpeg(bytes);
+    case StbFormat::Tga:
+      return checkTga(bytes);
+    case StbFormat::Hdr:
+      return checkHdr(bytes);
+  }
+}
+
+}  // namespace brume

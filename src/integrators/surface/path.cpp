@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/bsdf.h"
+#include "core/integrator.h"
+#include "core/registry.h"
+#include "core/sampling.h"
+#include "transport/direct_light.h"
+#include "transport/light_grid.h"
+#include "transport/specular.h"
+
+namespace brume {
+namespace {
+
+/// Index of the first bounce that roulette may end, as in PBRT-v2.
+constexpr int kRouletteBounce = 4;
+/// Roulette never ends more than this share of the paths at one bounce.
+constexpr float kMinSurvival = 0.05f;
+
+/// Path tracing: all light that reaches the camera over up to maxdepth + 1 surfaces.
+///   L = Le + Int f(wo, wi) Li(wi) |cos| dwi, recursively                  [W m^-2 sr^-1]
+/// At every vertex one light, chosen by importance, is sampled; the ray that goes on finds light
+/// as well, and both are weighted by the power heuristic. Volumes attenuate every segment (they
+/// scatter only into camera rays: see the volume integrator). Emission counts at the camera's
+/// vertex, after specular bounces, and as direct light. Unbiased up to maxdepth.
+/// Source: Kajiya 1986; Veach 1997. Test: surface_integrators_test.
+class Path final : public SurfaceIntegrator {
+ public:
+  struct Params {
+    int maxdepth = 5;
+    void visit(ParamVisitor& v) {
+      v(maxdepth, "maxdepth", kNonNegativeInt, Unit::None,
+        "bounces: paths visit up to maxdepth + 1 surfaces, lit directly at each");
+    }
+  };
+  Path(Params params, const FactoryContext& context)
+      : params_(params), scene_(*context.scene), grid_(scene_) {}
+
+  Rgb Li(const SurfaceQuery& query, RenderContext& context) const override;
+
+ private:
+  /// How the last vertex chose the direction of the present ray.
+  struct Arrival {
+    bool specular = true;  ///< or from the camera
+    float bsdfPdf = 0;
+    Vec3 from{0};
+  };
+  Rgb emission(const SurfaceInteraction& at, const Arrival& arrival) const;
+  Rgb escaped(const Ray& ray, const Arrival& arrival) const;
+  Rgb direct(const LitPoint& point, RenderContext& context) const;
+
+  Params params_;
+  const Scene& scene_;
+  LightGrid grid_;
+};
+
+Rgb Path::emission(const SurfaceInteraction& at, const Arrival& arrival) const {
+  if (!at.areaLight) return {};
+  const Rgb Le = emittedRadiance(at);
+  if (arrival.specular || Le.isBlack()) return Le;
+  // A light that is never sampled (inside an object instance) shows itself, but lights nothing.
+  const float choice = grid_.probability(arrival.from, at.areaLight);
+  if (!(choice > 0)) return {};
+  const float pdf = choice * at.areaLight->pdfLiAt(arrival.from, -at.wo, at.p, at.n);
+  return Le * powerHeuristic(arrival.bsdfPdf, pdf);
+}
+
+Rgb Path::escaped(const Ray& ray, const Arrival& arrival) const {
+  if (arrival.specular) return escapedRadiance(scene_, ray);
+  Rgb L;
+  for (const Light* light : scene_.infiniteLights()) {
+    const float pdf = grid_.probability(arrival.from, light) * light->pdfLi(arrival.from, ray.d);
+    L += light->Le(ray) * powerHeuristic(arrival.bsdfPdf, pdf);
+  }
+  return L;
+}
+
+Rgb Path::direct(const LitPoint& point, RenderContext& context) const {
+  const float uChoice = context.samples.get1D();
+  const Vec2 uLight = context.samples.get2D();
+  const auto choice = grid_.choose(point.at.p, uChoice);
+  if (!choice) return {};
+  const LitSample lit = sampleLight(point, *choice->light, uLight, kAllLobes, context);
+  const float weight = choice->light->isDelta()
+                           ? 1.f
+                           : powerHeuristic(choice->probability * lit.lightPdf, lit.bsdfPdf);
+  return lit.value * (weight / choice->probability);
+}
+
+Rgb Path::Li(const SurfaceQuery& query, RenderContext& context) const {
+  Rgb L, throughput(1.f);
+  Arrival arrival;
+  FootprintRay ray = query.ray;
+  SurfaceInteraction at = query.hit;
+  for (int bounce = 0;; ++bounce) {
+    L += throughput * emission(at, arrival);
+    if (bounce > params_.maxdepth) break;
+
+    // Light reflected at this vertex.
+    context.stats.add(Stat::PathSegments);
+    Bsdf bsdf;
+    at.material->evaluate(at, bsdf);
+    if (!bsdf.isSpecularOnly()) L += throughput * direct({scene_, at, bsdf, query.media}, context);
+
+    // The direction in which the path goes on. The last vertex looks for light that its BSDF can
+    // find, and nothing else.
+    const float uLobe = context.samples.get1D();
+    const Vec2 uDirection = context.samples.get2D();
+    const bool isLast = bounce == params_.maxdepth;
+    if (isLast && !grid_.hasHittableLights()) break;
+    const auto sample = bsdf.sample(at.wo, uLobe, uDirection);
+    if (!sample || !(sample->pdf > 0) || sample->f.isBlack()) break;
+    if (isLast && sample->isSpecular()) break;
+    throughput *= sample->f * (absDot(sample->wi, bsdf.shadingNormal()) / sample->pdf);
+    arrival = {sample->isSpecular(), sample->pdf, at.p};
+
+    // Roulette.
+    if (bounce >= kRouletteBounce) {
+      const float survival = std::clamp(throughput.maxChannel(), kMinSurvival, 1.f);
+      if (context.samples.get1D() >= survival) {
+        context.stats.add(Stat::RussianRouletteStops);
+        break;
+      }
+      throughput /= survival;
+    }
+
+    // The next vertex, attenuated by the media on the way.
+    ray = sample->isSpecular() ? specularRay(ray, at, bsdf.shadingNormal(), *sample)
+                               : FootprintRay(at.spawnRay(sample->wi));
+    auto hit = scene_.intersect(ray, context.stats);
+    if (scene_.volume()) {
+      Ray segment = ray;
+      if (hit) segment.tMax = distance(ray.o, hit->p);
+      throughput *= query.media.transmittance(segment, context);
+    }
+    if (!hit) {
+      L += throughput * escaped(ray, arrival);
+      break;
+    }
+    at = *hit;
+  }
+  return L;
+}
+
+const RegisterPlugin<SurfaceIntegrator, Path> kRegistration{
+    "path", Origin::PbrtV2, "path tracing with multiple importance sampling"};
+
+}  // namespace
+}  // namespace brume

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cstdio>
+#include <string>
+
+#include "main/command_line.h"
+#include "main/failure.h"
+#include "main/render_command.h"
+
+namespace {
+
+using namespace brume;
+
+/// Text that was asked for. A reader that went away or a full disk is an error, not silence.
+void printResult(const std::string& text) {
+  const bool isWritten = std::fwrite(text.data(), 1, text.size(), stdout) == text.size();
+  if (!isWritten || std::fflush(stdout) != 0) throw SceneError("cannot write to standard output");
+}
+
+int run(const RenderCommand& command) { return runRender(command); }
+
+int run(const DiffOptions& options) {
+  const DiffOutcome outcome = compareImageFiles(options);
+  printResult(outcome.text);
+  return outcome.passed ? kExitDone : kExitUser;
+}
+
+int run(const PluginManualOptions& options) {
+  printResult(pluginManual(options));
+  return kExitDone;
+}
+
+int run(const ShowText& show) {
+  printResult(show.text);
+  return kExitDone;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return std::visit([](const auto& command) { return run(command); },
+                      parseCommandLine(argc, argv));
+  } catch (...) {
+    return reportFailure();
+  }
+}

@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "main/render_command.h"
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <set>
+
+#include "core/io/image.h"
+#include "core/parallel.h"
+#include "core/parse/scene_description.h"
+#include "main/failure.h"
+#include "main/progress.h"
+#include "main/signals.h"
+#include "tools/json_report.h"
+#include "tools/text_file.h"
+
+namespace brume {
+namespace {
+
+/// Ends the parsing of a scene whose frame was interrupted; caught by RenderRun::run alone.
+struct Interrupted {};
+
+class Stopwatch {
+ public:
+  /// Seconds since the last call, or since the watch was made.
+  double lap() {
+    const auto now = std::chrono::steady_clock::now();
+    const double seconds = std::chrono::duration<double>(now - last_).count();
+    last_ = now;
+    return seconds;
+  }
+
+ private:
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+std::uint64_t peakMemory() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return std::uint64_t(usage.ru_maxrss) * 1024;  // Linux counts in KiB
+}
+
+/// One call of brume: the scenes of a RenderCommand and what became of them.
+class RenderRun {
+ public:
+  explicit RenderRun(const RenderCommand& command) : command_(command), log_(command.log) {}
+
+  int run();
+
+ private:
+  void doScene(const std::string& scene);
+  void doFrame(SceneDescription description, FrameReport report);
+  void render(RenderJob& job, FrameReport report);
+  void checkOutput(const std::string& image);
+  void writeOutput(const std::string& image, const RenderResult& result, PixelPrecision precision);
+  void warnAboutFaults(const Stats& stats);
+  void say(const std::string& line) const {
+    if (command_.log.verbosity != Verbosity::Quiet) std::fprintf(stderr, "%s\n", line.c_str());
+  }
+
+  const RenderCommand& command_;
+  Log log_;
+  std::vector<FrameReport> reports_;
+  std::set<std::string> written_;
+};
+
+int RenderRun::run() {
+  setThreadCount(command_.threads);
+  if (!command_.statsFile.empty()) checkWritable(command_.statsFile);
+  int exitCode = kExitDone;
+  for (const std::string& scene : command_.scenes) {
+    try {
+      doScene(scene);
+    } catch (const Interrupted&) {
+      return 128 + StopOnSignal::received();
+    } catch (...) {
+      exitCode = std::max(exitCode, reportFailure());
+    }
+  }
+  return exitCode;
+}
+
+void RenderRun::doScene(const std::string& scene) {
+  Stopwatch watch;
+  int frame = 0;
+  parseSceneFile(scene, ParseSettings{command_.settings.quick}, log_, [&](SceneDescription d) {
+    FrameReport report;
+    report.scene = scene;
+    report.frame = ++frame;
+    report.seconds.parse = watch.lap();
+    doFrame(std::move(d), std::move(report));
+    watch.lap();
+  });
+  if (frame == 0)
+    throw SceneError(
+        fmt::format("'{}' holds no WorldBegin ... WorldEnd: there is nothing to render", scene));
+  if (command_.action == RenderCommand::Action::Check) say(fmt::format("{}: valid", scene));
+}
+
+void RenderRun::doFrame(SceneDescription description, FrameReport report) {
+  Stopwatch watch;
+  RenderJob job(std::move(description), command_.settings, log_);
+  report.seconds.build = watch.lap();
+  switch (command_.action) {
+    case RenderCommand::Action::Check:
+      return;
+    case RenderCommand::Action::Plan:
+      for (const std::string& line : job.plan()) std::printf("%s\n", line.c_str());
+      return;
+    case RenderCommand::Action::Render:
+      return render(job, std::move(report));
+  }
+}
+
+void RenderRun::checkOutput(const std::string& image) {
+  if (!isWritableImageName(image))
+    throw SceneError(
+        fmt::format("cannot write '{}': the name of an image ends in .exr, .png, .pfm "
+                    "or .tga",
+                    image));
+  checkWritable(image);
+  if (!written_.insert(image).second)
+    log_.warning({}, fmt::format("this frame replaces '{}', which an earlier frame wrote", image));
+}
+
+void RenderRun::writeOutput(const std::string& image, const RenderResult& result,
+                            PixelPrecision precision) {
+  writeImage(image, result.image, precision);
+  const std::filesystem::path png = std::filesystem::path(image).replace_extension(".png");
+  if (command_.pngToo && png != image) writeImage(png.string(), result.image);
+}
+
+void RenderRun::render(RenderJob& job, FrameReport report) {
+  const Film::Settings& film = job.film().settings();
+  checkOutput(film.filename);
+
+  // Render; from here on a signal ends the render, not the process.
+  const StopOnSignal signals;
+  log_.verbose(fmt::format("rendering {} with {} threads", film.filename, threadCount()));
+  const RenderResult result = [&] {
+    ProgressLine line(command_.log.verbosity);
+    return job.run(signals.stop(), [&](const RenderProgress& p) { line.show(p); });
+  }();
+  Stopwatch watch;
+  writeOutput(film.filename, result, film.precision);
+
+  // Report.
+  report.image = film.filename;
+  report.resolution = film.resolution;
+  report.crop = film.crop;
+  report.seed = command_.settings.seed;
+  report.threads = threadCount();
+  report.passes = result.passes;
+  report.warnings = log_.warningCount();
+  report.reason = result.reason;
+  report.seconds.render = result.seconds;
+  report.seconds.write = watch.lap();
+  report.peakMemory = peakMemory();
+  report.stats = result.stats;
+  report.plugins = job.plugins();
+  report.plan = job.plan();
+  const bool isInterrupted = result.reason == StopReason::Interrupted;
+  say(fmt::format("{} {} ({} x {}, {})", isInterrupted ? "interrupted; wrote" : "wrote",
+                  film.filename, film.crop.width(), film.crop.height(),
+                  durationText(result.seconds)));
+  log_.verbose(statsTable(report));
+  reports_.push_back(std::move(report));
+  if (!command_.statsFile.empty()) writeTextFile(command_.statsFile, statsJson(reports_));
+  if (isInterrupted) throw Interrupted{};
+  warnAboutFaults(result.stats);
+}
+
+void RenderRun::warnAboutFaults(const Stats& stats) {
+  for (const auto& [stat, what] : {std::pair{Stat::NanRadiance, "not a number (taken as black)"},
+                                   std::pair{Stat::InfiniteRadiance, "infinite (taken as black)"},
+                                   std::pair{Stat::NegativeRadiance, "negative"}})
+    if (stats[stat] > 0)
+      log_.warning({}, fmt::format("the radiance of {} camera rays was {}", stats[stat], what));
+}
+
+}  // namespace
+
+int runRender(const RenderCommand& command) { return RenderRun(command).run(); }
+
+}  // namespace brume

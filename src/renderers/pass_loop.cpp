@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderers/pass_loop.h"
+
+#include <chrono>
+#include <limits>
+
+namespace brume {
+namespace {
+
+/// Samples per pixel of one portion: an interrupted render has a whole image after each.
+constexpr std::int64_t kPortion = 16;
+/// The estimated error is not believed before this many samples per pixel.
+constexpr std::int64_t kMinSamplesForError = 16;
+/// Sample indices stay within int.
+constexpr std::int64_t kMaxSamples = std::int64_t{1} << 30;
+constexpr double kSecondsBetweenReports = 0.25;
+
+class PortionLoop {
+ public:
+  PortionLoop(TileRenderer& renderer, const Film& film, const RenderLimits& limits)
+      : renderer_(renderer), film_(film), limits_(limits) {
+    const std::int64_t most = std::max<std::int64_t>(1, kMaxSamples / limits.round);
+    total_ = limits.round * std::min(most, limits.rounds.value_or(most));
+  }
+
+  RenderOutcome run(const std::atomic<bool>& stop, Stats& stats,
+                    const std::function<void(const RenderProgress&)>& progress);
+
+ private:
+  double seconds() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  }
+  std::int64_t nextPortion() const;
+  std::optional<StopReason> limitReached();
+  RenderProgress progressAt(double share, std::int64_t portion, const Stats& stats) const;
+
+  TileRenderer& renderer_;
+  const Film& film_;
+  const RenderLimits& limits_;
+  std::int64_t total_ = 0;
+  RenderOutcome outcome_;
+  std::int64_t lastPortion_ = 0;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+std::int64_t PortionLoop::nextPortion() const {
+  const std::int64_t left = total_ - outcome_.samples;
+  if (limits_.wholeRounds) return std::min(limits_.round, left);
+  std::int64_t portion = kPortion;
+  if (limits_.maxSeconds || limits_.targetError)
+    portion = std::max<std::int64_t>(1, 2 * lastPortion_);
+  const auto atMost = [&](double samples) {
+    if (samples < static_cast<double>(portion))
+      portion = std::max<std::int64_t>(1, static_cast<std::int64_t>(samples));
+  };
+  // Half of the time that is left, so that an estimate which was too good does no harm; as many
+  // samples as the error needs when its square falls as 1/n.
+  const auto done = static_cast<double>(outcome_.samples);
+  if (limits_.maxSeconds && done > 0)
+    atMost(0.5 * (*limits_.maxSeconds - seconds()) * done / outcome_.seconds);
+  if (limits_.targetError && outcome_.estimatedError)
+    atMost(1 + done * (sqr(*outcome_.estimatedError / *limits_.targetError) - 1));
+  return std::min(portion, left);
+}
+
+std::optional<StopReason> PortionLoop::limitReached() {
+  if (limits_.targetError && outcome_.samples >= std::min(kMinSamplesForError, total_)) {
+    outcome_.estimatedError = film_.estimatedRelativeError();
+    if (*outcome_.estimatedError <= *limits_.targetError) return StopReason::Error;
+  }
+  if (outcome_.samples >= total_) return StopReason::Done;
+  if (limits_.maxSeconds && outcome_.seconds >= *limits_.maxSeconds) return StopReason::Time;
+  return std::nullopt;
+}
+
+RenderProgress PortionLoop::progressAt(double share, std::int64_t portion,
+                                       const Stats& stats) const {
+  RenderProgress p;
+  const double samples =
+      static_cast<double>(outcome_.samples) + share * static_cast<double>(portion);
+  p.seconds = seconds();
+  p.pass = static_cast<int>(outcome_.samples / limits_.round) + 1;
+  p.rays = stats[Stat::IntersectionRays] + stats[Stat::ShadowRays];
+  p.estimatedError = outcome_.estimatedError;
+  p.fraction = samples / static_cast<double>(total_);
+  if (limits_.maxSeconds) p.fraction = std::max(p.fraction, p.seconds / *limits_.maxSeconds);
+  if (limits_.targetError && outcome_.estimatedError)
+    p.fraction = std::max(p.fraction, sqr(*limits_.targetError / *outcome_.estimatedError));
+  p.fraction = std::min(p.fraction, 1.0);
+  return p;
+}
+
+RenderOutcome PortionLoop::run(const std::atomic<bool>& stop, Stats& stats,
+                               const std::function<void(const RenderProgress&)>& progress) {
+  double nextReport = kSecondsBetweenReports;
+  for (;;) {
+    const std::int64_t portion = nextPortion();
+    const bool isWhole = renderer_.render({outcome_.samples, outcome_.samples + portion}, stop,
+                                          stats, [&](double share, const Stats& soFar) {
+                                            if (!progress || seconds() < nextReport) return;
+                                            progress(progressAt(share, portion, soFar));
+                                            nextReport = seconds() + kSecondsBetweenReports;
+                                          });
+    outcome_.seconds = seconds();
+    if (!isWhole) {
+      outcome_.reason = StopReason::Interrupted;
+      return outcome_;
+    }
+    outcome_.samples += portion;
+    lastPortion_ = portion;
+    if (const auto reason = limitReached()) {
+      outcome_.reason = *reason;
+      return outcome_;
+    }
+  }
+}
+
+}  // namespace
+
+RenderOutcome renderPortions(TileRenderer& renderer, const Film& film, const RenderLimits& limits,
+                             const std::atomic<bool>& stop, Stats& stats,
+                             const std::function<void(const RenderProgress&)>& progress) {
+  return PortionLoop(renderer, film, limits).run(stop, stats, progress);
+}
+
+}  // namespace brume

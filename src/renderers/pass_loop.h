@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// How many samples are taken, in which portions, and when it is enough.
+#pragma once
+
+#include <atomic>
+#include <functional>
+
+#include "renderers/render_job.h"
+#include "renderers/tile_renderer.h"
+
+namespace brume {
+
+/// When to stop; the first limit that is reached counts.
+struct RenderLimits {
+  std::int64_t round = 1;              ///< samples per pixel and round
+  bool wholeRounds = false;            ///< the sampler cannot split a round
+  std::optional<std::int64_t> rounds;  ///< none: only the other limits
+  std::optional<double> maxSeconds;    ///< exceeded by less than one portion
+  std::optional<double> targetError;   ///< Film::estimatedRelativeError
+};
+
+struct RenderOutcome {
+  StopReason reason = StopReason::Done;
+  std::int64_t samples = 0;  ///< per average pixel, of finished portions
+  double seconds = 0;
+  std::optional<double> estimatedError;
+};
+
+/// Renders portion after portion until a limit is reached or `stop` is set. Without time and error
+/// limits the portions are of fixed size, so that the image depends on the rounds alone.
+RenderOutcome renderPortions(TileRenderer& renderer, const Film& film, const RenderLimits& limits,
+                             const std::atomic<bool>& stop, Stats& stats,
+                             const std::function<void(const RenderProgress&)>& progress);
+
+}  // namespace brume

@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderers/render_job.h"
+
+#include <fmt/format.h>
+
+#include "core/camera.h"
+#include "core/compatibility.h"
+#include "core/log.h"
+#include "core/plan.h"
+#include "core/version.h"
+#include "renderers/camera_radiance.h"
+#include "renderers/overrides.h"
+#include "renderers/pass_loop.h"
+#include "renderers/plugin_factory.h"
+#include "renderers/tile_renderer.h"
+
+namespace brume {
+
+/// Everything a frame needs, in the order in which it is made.
+struct RenderJob::Parts {
+  Parts(SceneDescription description, const RenderSettings& settings, Log& log);
+  void makeImageSide(RenderOptions& options, PluginFactory& factory, Log& log);
+  void makeIntegrators(RenderOptions& options, PluginFactory& factory);
+
+  RenderSettings settings;
+  std::unique_ptr<Filter> filter;
+  std::unique_ptr<Film> film;
+  std::unique_ptr<Camera> camera;
+  std::unique_ptr<Sampler> sampler;
+  std::unique_ptr<Scene> scene;
+  Plan plan;
+
+  ClearMedia clearMedia;
+  std::unique_ptr<SurfaceIntegrator> surface;
+  std::unique_ptr<VolumeIntegrator> media;
+  std::unique_ptr<GlobalIntegrator> global;
+  std::unique_ptr<CameraRadiance> joined;
+  const RayRadiance* radiance = nullptr;  // joined, or the global integrator
+
+  std::vector<UsedPlugin> plugins;
+};
+
+namespace {
+
+/// The camera's motion in render space, whose origin is at sceneOrigin.
+AnimatedTransform cameraInRenderSpace(const RenderOptions& options, const Vec3d& sceneOrigin) {
+  const Transform shift = Transform::translate(-sceneOrigin);
+  const AnimatedTransform& camera = options.cameraToWorld;
+  if (!camera.isAnimated()) return AnimatedTransform(shift * camera.start());
+  return {shift * camera.start(), camera.startTime(), shift * camera.end(), camera.endTime()};
+}
+
+void checkSettings(const RenderSettings& settings) {
+  if (settings.samplesPerPixel && *settings.samplesPerPixel < 1)
+    throw SceneError("--spp must be at least 1");
+  if (settings.passes && *settings.passes < 1) throw SceneError("--passes must be at least 1");
+  if (settings.maxSeconds && !(*settings.maxSeconds > 0))
+    throw SceneError("--time must be greater than 0");
+  if (settings.targetError && !(*settings.targetError > 0))
+    throw SceneError("--error must be greater than 0");
+}
+
+}  // namespace
+
+RenderJob::Parts::Parts(SceneDescription description, const RenderSettings& settings_, Log& log)
+    : settings(settings_) {
+  checkSettings(settings);
+  RenderOptions& options = description.options;
+  overrideIntegrators(settings.integrators, options, log);
+  refuseUnbuilt(options, !settings.integrators.empty(), log);
+
+  PluginFactory factory(options.searchDirectory, log);
+  factory.make<RendererChoice>(options.renderer, {});
+  factory.make<AcceleratorChoice>(options.accelerator, {});
+  log.verboseOnce(fmt::format("Accelerator \"{}\": Embree is used, as for every scene",
+                              options.accelerator.name));
+  const Vec3d origin = description.world.sceneOrigin;
+  options.cameraToWorld = cameraInRenderSpace(options, origin);
+  makeImageSide(options, factory, log);
+
+  scene = std::make_unique<Scene>(std::move(description.world));
+  plan = planScene(takeInventory(*scene));
+  makeIntegrators(options, factory);
+  for (const std::string& line : plan.lines()) log.verbose("plan: " + line);
+  plugins = factory.takeUsed();
+}
+
+void RenderJob::Parts::makeImageSide(RenderOptions& options, PluginFactory& factory, Log&) {
+  filter = factory.make<Filter>(options.filter, {});
+
+  Film::FactoryContext filmContext;
+  filmContext.filter = filter.get();
+  filmContext.outputName = settings.outputName;
+  filmContext.resolution = settings.resolution;
+  filmContext.crop = settings.crop;
+  filmContext.quick = settings.quick;
+  filmContext.variance = settings.variance || settings.targetError;
+  film = factory.make<Film>(options.film, filmContext);
+
+  Camera::FactoryContext cameraContext;
+  cameraContext.cameraToWorld = options.cameraToWorld;
+  cameraContext.resolution = film->resolution();
+  camera = factory.make<Camera>(options.camera, cameraContext);
+
+  Sampler::FactoryContext samplerContext;
+  samplerContext.pixels = film->sampleBounds();
+  samplerContext.quick = settings.quick;
+  samplerContext.samplesPerPixel = settings.samplesPerPixel;
+  sampler = factory.make<Sampler>(options.sampler, samplerContext);
+}
+
+void RenderJob::Parts::makeIntegrators(RenderOptions& options, PluginFactory& factory) {
+  IntegratorFactoryContext context;
+  context.scene = scene.get();
+  context.sampler = sampler.get();
+  context.quick = settings.quick;
+
+  if (options.globalIntegrator) {
+    global = factory.make<GlobalIntegrator>(*options.globalIntegrator, context);
+    const auto* perRay = dynamic_cast<const RayGlobalIntegrator*>(global.get());
+    BRUME_CHECK(perRay != nullptr);
+    radiance = perRay;
+    plan.build(fmt::format("global integrator \"{}\"", options.globalIntegrator->name),
+               "it replaces surface and volume integrator");
+    return;
+  }
+
+  surface = factory.make<SurfaceIntegrator>(options.surfaceIntegrator, context);
+  plan.build(fmt::format("surface integrator \"{}\"", options.surfaceIntegrator.name));
+  // The volume integrator is made even when it is skipped, so that its parameters are checked.
+  media = factory.make<VolumeIntegrator>(options.volumeIntegrator, context);
+  const std::string what = fmt::format("volume integrator \"{}\"", options.volumeIntegrator.name);
+  if (scene->volume())
+    plan.build(what);
+  else
+    plan.skip(what, "the scene has no Volume");
+  const VolumeIntegrator& used = scene->volume() ? *media : clearMedia;
+  joined = std::make_unique<CameraRadiance>(*scene, *surface, used);
+  radiance = joined.get();
+}
+
+RenderJob::RenderJob(SceneDescription description, const RenderSettings& settings, Log& log)
+    : parts_(std::make_unique<Parts>(std::move(description), settings, log)) {}
+
+RenderJob::~RenderJob() = default;
+
+RenderResult RenderJob::run(const std::atomic<bool>& stop,
+                            const std::function<void(const RenderProgress&)>& progress) {
+  const Parts& p = *parts_;
+  const Scene::Contents& contents = p.scene->contents();
+  const bool footprints = !contents.floatTextures.empty() || !contents.rgbTextures.empty();
+  TileRenderer renderer({*p.camera, *p.sampler, *p.film, *p.radiance, p.settings.seed, footprints});
+
+  RenderLimits limits;
+  limits.round = p.sampler->samplesPerPixel();
+  limits.wholeRounds = p.sampler->isAdaptive();
+  limits.maxSeconds = p.settings.maxSeconds;
+  limits.targetError = p.settings.targetError;
+  if (p.settings.passes)
+    limits.rounds = *p.settings.passes;
+  else if (!limits.maxSeconds && !limits.targetError)
+    limits.rounds = 1;
+
+  RenderResult result;
+  const RenderOutcome outcome =
+      renderPortions(renderer, *p.film, limits, stop, result.stats, progress);
+  result.reason = outcome.reason;
+  result.seconds = outcome.seconds;
+  result.passes = static_cast<int>(outcome.samples / limits.round);
+  result.image = p.film->develop();
+
+  // What is needed to repeat the run.
+  auto& metadata = result.image.metadata;
+  metadata["brume:version"] = version();
+  metadata["brume:seed"] = fmt::format("{}", p.settings.seed);
+  metadata["brume:passes"] = fmt::format("{}", result.passes);
+  metadata["brume:samples per pixel"] = fmt::format("{}", outcome.samples);
+  metadata["brume:seconds"] = fmt::format("{:.3f}", outcome.seconds);
+  for (const UsedPlugin& plugin : p.plugins) {
+    std::string text = fmt::format("\"{}\"", plugin.name);
+    for (const ParamRecord& record : plugin.params)
+      if (record.type != "alias")
+        text += fmt::format(" \"{} {}\" [{}]", record.type, record.name, record.value);
+    metadata["brume:" + plugin.kind] = text;
+  }
+  std::string planText;
+  for (const std::string& line : p.plan.lines()) planText += line + "\n";
+  metadata["brume:plan"] = planText;
+  return result;
+}
+
+const Film& RenderJob::film() const { return *parts_->film; }
+const Scene& RenderJob::scene() const { return *parts_->scene; }
+const std::vector<RenderJob::UsedPlugin>& RenderJob::plugins() const { return parts_->plugins; }
+std::vector<std::string> RenderJob::plan() const { return parts_->plan.lines(); }
+
+}  // namespace brume
