@@ -36,7 +36,7 @@ TEST(MipMap, ConstantImageStaysConstantUnderEveryFilter) {
                             std::vector<Rgb>(static_cast<std::size_t>(w * h), Rgb(.1f, .5f, 3.f)),
                             wrapped(wrap));
       for (const float size : {0.f, 1e-5f, .01f, .2f, 3.f, 1e20f})
-        for (const Vec2 st : {Vec2(0.f), Vec2(.3f, .9f), Vec2(-7.2f, 1e9f)}) {
+        for (const Vec2& st : {Vec2(0.f), Vec2(.3f, .9f), Vec2(-7.2f, 1e9f)}) {
           const Rgb ewa = map.lookup(st, {size, .2f * size}, {-.1f * size, .4f * size});
           const Rgb trilinear = map.lookup(st, size);
           for (int c = 0; c < 3; ++c) {
@@ -164,10 +164,10 @@ TEST(MipMap, EwaIsTheGaussianSumOverTheEllipse) {
     const double step = std::floor(r2 * 128) / 127;  // the tabulated Gaussian
     return std::exp(-2 * step) - std::exp(-2.);
   };
-  for (const Vec2 offset : {Vec2(0.f), Vec2(.3f, -.4f), Vec2(2.2f, .9f), Vec2(-1.5f, -.5f)}) {
+  for (const Vec2& offset : {Vec2(0.f), Vec2(.3f, -.4f), Vec2(2.2f, .9f), Vec2(-1.5f, -.5f)}) {
     double sum = 0;
     for (int y = -8; y <= 8; ++y)
-      for (int x = -8; x <= 8; ++x) sum += weight(x - offset.x, y - offset.y);
+      for (int x = -8; x <= 8; ++x) sum += weight(double(x) - offset.x, double(y) - offset.y);
     const Vec2 st = (Vec2(16.5f) + offset) / static_cast<float>(kSize);
     EXPECT_NEAR(map.lookup(st, d0, d1), weight(-offset.x, -offset.y) / sum, 2e-3);
   }
@@ -176,10 +176,10 @@ TEST(MipMap, EwaIsTheGaussianSumOverTheEllipse) {
 TEST(MipMap, StrangeFootprintsAreFinite) {
   const MipMap<float> map(16, 16, noiseImage(16, 16), {WrapMode::Clamp, false, 1024.f});
   const float inf = kInfinity, nan = std::nanf("");
-  for (const Vec2 st : {Vec2(.5f), Vec2(inf, -inf), Vec2(nan), Vec2(1e30f)})
-    for (const Vec2 d0 :
+  for (const Vec2& st : {Vec2(.5f), Vec2(inf, -inf), Vec2(nan), Vec2(1e30f)})
+    for (const Vec2& d0 :
          {Vec2(0.f), Vec2(1e-30f), Vec2(1e30f), Vec2(inf, 0.f), Vec2(nan), Vec2(.7f)})
-      for (const Vec2 d1 :
+      for (const Vec2& d1 :
            {Vec2(0.f), Vec2(-1e-30f, 1e-25f), Vec2(.7f), Vec2(1e-4f, 0.f), Vec2(nan)}) {
         const float value = map.lookup(st, d0, d1);
         EXPECT_GE(value, 0);
