@@ -398,6 +398,12 @@ TEST(Sampler, EndsOfTheRanges) {
     stream->startSample(most - 1);
     EXPECT_EQ(makeSampler(name, {integers("pixelsamples", {1})})->samplesPerPixel(), 1);
   }
+  for (const char* name : kNames)
+    for (int spp : {0, -1, (1 << 24) + 1}) {
+      Sampler::FactoryContext context;
+      context.samplesPerPixel = spp;
+      EXPECT_THROW(makeSampler(name, {}, context), SceneError) << name;
+    }
   for (const char* param : {"xsamples", "ysamples"}) {
     EXPECT_THROW(makeSampler("stratified", {integers(param, {0})}), SceneError);
     EXPECT_THROW(makeSampler("stratified", {integers(param, {4097})}), SceneError);
