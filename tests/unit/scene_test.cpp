@@ -116,6 +116,32 @@ TEST(Scene, SpawnedRaysLeaveInstancesAtAllScales) {
     }
 }
 
+/// The hard case for a triangle: large, slanted, hit near the origin of coordinates, where p itself
+/// has next to no rounding but Embree's plane has; slivers too.
+TEST(Scene, SpawnedRaysLeaveLargeTrianglesAndSlivers) {
+  Rng rng(5);
+  Stats stats;
+  int tested = 0, again = 0;
+  for (int i = 0; i < 400; ++i) {
+    const auto corner = [&] { return sampleUniformSphere(rng.uniform2()) * (1 + rng.uniform()); };
+    const Vec3 a = corner(), b = i % 2 ? corner() : -a * rng.uniform() + corner() * 1e-3f;
+    const Vec3 c = -(a + b) + corner() * 1e-4f;
+    const Scene scene = sceneOf(
+        makeShape("trianglemesh", {points("P", {a, b, c}), integers("indices", {0, 1, 2})}));
+    for (int k = 0; k < 20; ++k) {
+      const float u = .2f + .3f * rng.uniform(), v = .2f + .2f * rng.uniform();
+      const ShapeHit hit{1, u, v, 0};
+      const SurfaceInteraction si = scene.contents().shapes[0]->interaction(Ray(), hit);
+      const Vec3 w = sampleUniformSphere(rng.uniform2());
+      if (absDot(w, si.n) < 1e-5f) continue;
+      ++tested;
+      again += scene.isOccluded(si.spawnRay(w), stats);
+    }
+  }
+  EXPECT_GT(tested, 7000);
+  EXPECT_EQ(again, 0);
+}
+
 /// An instance gives the interaction that the shape would give with the whole transform.
 TEST(Scene, InstancedInteractionsEqualTransformedShapes) {
   const Transform inner = Transform::rotate(70, {0, 1, 3}) * Transform::scale(1, 2, 1);
