@@ -151,8 +151,8 @@ Rgb Bsdf::reflectance(const Vec3& wo, LobeFlags accepted, int sqrtSamples) const
     for (int y = 0; y < sqrtSamples; ++y)
       for (int x = 0; x < sqrtSamples; ++x) {
         const Vec2 u = (Vec2(x, y) + rng.uniform2()) * cell;
-        const auto s = l.sample(
-            o, {std::min(u.x, kOneMinusEpsilon), std::min(u.y, kOneMinusEpsilon)});
+        const auto s =
+            l.sample(o, {std::min(u.x, kOneMinusEpsilon), std::min(u.y, kOneMinusEpsilon)});
         if (s) lobeSum += s->f * (absCosTheta(s->wi) / s->pdf);
       }
     sum += scale_[k] * lobeSum * (cell * cell);

@@ -67,7 +67,8 @@ class Lobe {
 
 inline float cosTheta(const Vec3& w) { return w.z; }
 inline float absCosTheta(const Vec3& w) { return std::abs(w.z); }
-inline float sin2Theta(const Vec3& w) { return std::max(0.f, 1.f - w.z * w.z); }
+/// From x and y: 1 - cos^2 would cancel near the pole.
+inline float sin2Theta(const Vec3& w) { return w.x * w.x + w.y * w.y; }
 inline float sinTheta(const Vec3& w) { return std::sqrt(sin2Theta(w)); }
 inline float cosPhi(const Vec3& w) {
   const float s = sinTheta(w);

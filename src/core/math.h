@@ -23,6 +23,7 @@ namespace brume {
 
 using Vec2 = glm::vec2;
 using Vec3 = glm::vec3;
+using Vec2d = glm::dvec2;
 using Vec3d = glm::dvec3;
 using Vec2i = glm::ivec2;
 using Mat4 = glm::mat4;

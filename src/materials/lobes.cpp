@@ -28,7 +28,7 @@ std::optional<BsdfSample> SpecularTransmissionLobe::sample(const Vec3& wo, Vec2)
   const float cosT = std::sqrt(cos2T);
   const Vec3 wi{-ratio * wo.x, -ratio * wo.y, fromSideOfNormal ? -cosT : cosT};
   const float transmitted = 1.f - fresnelDielectric(cosTheta(wo), etaI_, etaT_);
-  return BsdfSample{transmittance_ * (transmitted / cosT), wi, 1.f, flags()};
+  return BsdfSample{transmittance_ * (transmitted / cosT), wi, 1.f, flags(), ratio};
 }
 
 }  // namespace brume

@@ -6,6 +6,7 @@
 
 #include "core/bsdf.h"
 #include "core/interaction.h"
+#include "core/params.h"
 #include "core/texture.h"
 
 namespace brume {
@@ -22,8 +23,23 @@ inline float nonNegativeAt(const FloatSlot& slot, const SurfaceInteraction& at) 
 inline bool canBeNonBlack(const RgbSlot& slot) {
   return !slot.isConstant() || !slot.constant.isBlack();
 }
+inline void declareBumpMap(ParamVisitor& v, std::optional<FloatSlot>& bumpmap) {
+  v(bumpmap, "bumpmap", kAnyFloat, Unit::Length,
+    "displacement along the normal that shading follows; none by default");
+}
+inline const FloatSlot* orNull(const std::optional<FloatSlot>& slot) {
+  return slot ? &*slot : nullptr;
+}
 /// The largest index of refraction, eta or k accepted: its square is still a float.
 inline constexpr float kMaxIndex = 1e6f;
+
+/// An index of refraction, eta or k from a constant or texture.
+inline float indexAt(const FloatSlot& slot, const SurfaceInteraction& at) {
+  return std::min(nonNegativeAt(slot, at), kMaxIndex);
+}
+inline Rgb indexAt(const RgbSlot& slot, const SurfaceInteraction& at) {
+  return min(reflectanceAt(slot, at), kMaxIndex);
+}
 
 /// Unpolarised reflectance of a dielectric interface for light with cosine cosI on the side of
 /// etaI; a negative cosine comes from the other side. 1 beyond the critical angle.
@@ -135,8 +151,8 @@ class SpecularReflectionLobe final : public Lobe {
   std::optional<BsdfSample> sample(const Vec3& wo, Vec2) const override {
     const float cosine = absCosTheta(wo);
     if (!(cosine >= std::numeric_limits<float>::min())) return std::nullopt;
-    return BsdfSample{reflectance_ * fresnel_(cosTheta(wo)) / cosine, {-wo.x, -wo.y, wo.z}, 1.f,
-                      flags()};
+    return BsdfSample{
+        reflectance_ * fresnel_(cosTheta(wo)) / cosine, {-wo.x, -wo.y, wo.z}, 1.f, flags()};
   }
 
  private:

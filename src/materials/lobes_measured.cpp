@@ -54,9 +54,9 @@ MerlBrdf::MerlBrdf(const std::string& path, const SourceLocation& where) {
                            "32-bit integers 90 90 180 (text files need the suffix .brdf)",
                            path));
   if (bytes.size() != kSize)
-    throw SceneError(where, fmt::format("the BRDF file '{}' is {}: {} bytes instead of {}", path,
-                                        bytes.size() < kSize ? "cut short" : "too long",
-                                        bytes.size(), kSize));
+    throw SceneError(
+        where, fmt::format("the BRDF file '{}' is {}: {} bytes instead of {}", path,
+                           bytes.size() < kSize ? "cut short" : "too long", bytes.size(), kSize));
 
   table_.resize(kEntries);
   constexpr double kScale[3] = {1.0 / 1500, 1.15 / 1500, 1.66 / 1500};
@@ -98,8 +98,7 @@ void MerlBrdf::tabulateHalfVectors() {
   }
   thetaH_ = Distribution1D(weights);
   for (int h = 0; h < kThetaH; ++h)
-    pdfOfRow_[h] =
-        thetaH_.probability(h) / (2.f * kPi * (oneMinusCos_[h + 1] - oneMinusCos_[h]));
+    pdfOfRow_[h] = thetaH_.probability(h) / (2.f * kPi * (oneMinusCos_[h + 1] - oneMinusCos_[h]));
 }
 
 Rgb MerlBrdf::f(const Vec3& wo, const Vec3& wi) const {
@@ -114,7 +113,7 @@ Rgb MerlBrdf::f(const Vec3& wo, const Vec3& wi) const {
   float phiD = std::atan2(dot(w, y), dot(w, x));
   if (phiD < 0.f) phiD += kPi;  // reciprocity: phi_d and phi_d + pi are one entry
 
-  const int iH = thetaHIndex(std::atan2(std::sqrt(wh.x * wh.x + wh.y * wh.y), wh.z));
+  const int iH = thetaHIndex(std::atan2(sine, wh.z));
   const int iD = clampedIndex(safeAcos(h->cosine) * (2.f * kInvPi), kThetaD);
   const int iP = clampedIndex(phiD * kInvPi, kPhiD);
   return table_[static_cast<std::size_t>((iH * kThetaD + iD) * kPhiD + iP)];
@@ -133,8 +132,7 @@ Vec3 MerlBrdf::sampleHalfVector(Vec2 u) const {
 
 float MerlBrdf::pdfHalfVector(const Vec3& wh) const {
   // By the sine, as the rows near the pole are narrower than the cosine can tell.
-  return pdfOfRow_[thetaHIndex(
-      std::atan2(std::sqrt(wh.x * wh.x + wh.y * wh.y), std::abs(wh.z)))];
+  return pdfOfRow_[thetaHIndex(std::atan2(sinTheta(wh), absCosTheta(wh)))];
 }
 
 float MerlLobe::pdf(const Vec3& wo, const Vec3& wi) const {
@@ -213,9 +211,10 @@ IrregularBrdf::IrregularBrdf(const std::string& path, const SourceLocation& wher
   const std::size_t n = static_cast<std::size_t>(numbers[0]), stride = 4 + n, body = 1 + n;
   if (numbers.size() < body + stride) fail("has no sample");
   if ((numbers.size() - body) % stride != 0)
-    fail(fmt::format("is cut short or has numbers to spare: after {} wavelengths, {} numbers are "
-                     "not a multiple of {}",
-                     n, numbers.size() - body, stride));
+    fail(
+        fmt::format("is cut short or has numbers to spare: after {} wavelengths, {} numbers are "
+                    "not a multiple of {}",
+                    n, numbers.size() - body, stride));
 
   // Conversion to RGB is linear: the colours of unit spectra serve all samples.
   const std::span<const float> wavelengths(numbers.data() + 1, n);
@@ -246,7 +245,7 @@ Vec3 IrregularBrdf::remap(const Vec3& wo, const Vec3& wi) {
 
 int IrregularBrdf::cellOf(float m, int axis) const {
   const float cell = (m - lo_[axis]) * cellsPerUnit_[axis];
-  return static_cast<int>(std::clamp(cell, 0.f, static_cast<float>(resolution_ - 1)));
+  return cell > 0.f ? static_cast<int>(std::min(cell, static_cast<float>(resolution_ - 1))) : 0;
 }
 
 void IrregularBrdf::sortIntoGrid(const std::vector<Sample>& samples) {
@@ -264,8 +263,8 @@ void IrregularBrdf::sortIntoGrid(const std::vector<Sample>& samples) {
 
   // A counting sort by cell.
   const auto cell = [&](const Vec3& m) {
-    return static_cast<std::size_t>(
-        (cellOf(m.z, 2) * resolution_ + cellOf(m.y, 1)) * resolution_ + cellOf(m.x, 0));
+    return static_cast<std::size_t>((cellOf(m.z, 2) * resolution_ + cellOf(m.y, 1)) * resolution_ +
+                                    cellOf(m.x, 0));
   };
   first_.assign(static_cast<std::size_t>(resolution_ * resolution_ * resolution_) + 1, 0);
   for (const Sample& s : samples) ++first_[cell(s.m) + 1];
@@ -277,11 +276,12 @@ void IrregularBrdf::sortIntoGrid(const std::vector<Sample>& samples) {
 
 Rgb IrregularBrdf::f(const Vec3& wo, const Vec3& wi) const {
   constexpr float kFirstRadius2 = .001f, kLastRadius2 = 1.5f, kSharpness = 100.f;
+  constexpr float kDiameter = 3.f;  // of the space of m: more than sqrt(1 + 1 + 4)
   constexpr int kEnough = 3;
   const Vec3 m = remap(wo, wi);
   for (float radius2 = kFirstRadius2;; radius2 *= 2) {
     const bool isLast = radius2 > kLastRadius2;  // takes all
-    const float radius = isLast ? kInfinity : std::sqrt(radius2);
+    const float radius = isLast ? kDiameter : std::sqrt(radius2);
     int lo[3], hi[3];
     for (int axis = 0; axis < 3; ++axis) {
       lo[axis] = cellOf(m[axis] - radius, axis);

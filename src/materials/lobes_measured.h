@@ -37,15 +37,15 @@ class MerlBrdf {
   void tabulateHalfVectors();
 
   std::vector<Rgb> table_;
-  Distribution1D thetaH_;                             // probability of each row
-  std::array<float, kThetaH + 1> oneMinusCos_{};      // of the rows' borders
-  std::array<float, kThetaH> pdfOfRow_{};             // per solid angle of wh
+  Distribution1D thetaH_;                         // probability of each row
+  std::array<float, kThetaH + 1> oneMinusCos_{};  // of the rows' borders
+  std::array<float, kThetaH> pdfOfRow_{};         // per solid angle of wh
 };
 
 /// Irregular samples at points m = (sin_i sin_o, |dphi| / pi, cos_i cos_o), interpolated with
-/// weights exp(-100 |m - m_k|^2) within the smallest radius, r^2 = 0.001 * 2^n, that holds more than
-/// two (PBRT-v2's scheme). Text: the number of wavelengths, the wavelengths [nm], then per sample
-/// theta_i phi_i theta_o phi_o [rad] and one value per wavelength; # starts a comment.
+/// weights exp(-100 |m - m_k|^2) within the smallest radius, r^2 = 0.001 * 2^n, that holds more
+/// than two (PBRT-v2's scheme). Text: the number of wavelengths, the wavelengths [nm], then per
+/// sample theta_i phi_i theta_o phi_o [rad] and one value per wavelength; # starts a comment.
 class IrregularBrdf {
  public:
   /// Throws SceneError as MerlBrdf.
@@ -63,7 +63,7 @@ class IrregularBrdf {
   int cellOf(float m, int axis) const;
 
   Vec3 lo_{0}, cellsPerUnit_{0};
-  int resolution_ = 1;              // cells along each axis
+  int resolution_ = 1;                // cells along each axis
   std::vector<std::uint32_t> first_;  // of each cell in samples_, x fastest; one more at the end
   std::vector<Sample> samples_;
 };

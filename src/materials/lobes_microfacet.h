@@ -93,9 +93,8 @@ class MicrofacetLobe final : public Lobe {
     const auto h = halfVector(wo, wi);
     if (!h) return {};
     const float power = distribution_.power(h->wh);
-    const float pdf = sameHemisphere(wo, wi)
-                          ? distribution_.pdfFactor() * power / (4.f * h->cosine)
-                          : 0.f;
+    const float pdf =
+        sameHemisphere(wo, wi) ? distribution_.pdfFactor() * power / (4.f * h->cosine) : 0.f;
     if (power == 0.f) return {Rgb(), pdf};
     return {reflectance_ * fresnel_(h->cosine) *
                 (distribution_.dFactor() * power * geometry(wo, wi, *h)),
