@@ -60,6 +60,9 @@ class Light {
   /// Position [render space] around which the emission falls off with distance squared; none for
   /// distant and infinite ones.
   virtual std::optional<Vec3> position() const { return std::nullopt; }
+  /// A part of range outside which no unscattered light of this one falls on the ray (spot lights:
+  /// the cone). Empty when none does.
+  virtual Interval illuminated(const Ray&, Interval range) const { return range; }
 };
 
 /// A light on a shape: exitant radiance.
@@ -79,5 +82,22 @@ class AreaLight : public Light {
   virtual float pdfLiAt(const Vec3& ref, const Vec3& wi, const Vec3& hitPoint,
                         const Vec3& hitNormal) const = 0;
 };
+
+/// The weight of a light's colour when lights are chosen: luminance of the absolute values, so that
+/// it vanishes only for black.
+float lightWeight(const Rgb& c);
+/// 1/d^2 [scene length^-2] from a position to the points of a region: the largest value, but no
+/// more than the mean over a ball of the region's size around the position, 3/R^2.
+float boundedInverseSquare(const Vec3& position, const Bounds3& region);
+/// Smallest 1 - cos of the angle between a unit axis at `position` and the directions to the ball
+/// around the region; 0 when the position lies inside.
+float smallestOneMinusCos(const Vec3& position, const Vec3& axis, const Bounds3& region);
+/// The direction from p to a light at one point, L = 1/d^2. None where they coincide.
+std::optional<LightSample> samplePosition(const Vec3& p, const Vec3& lightPosition);
+/// 1 - z of a vector of any length, without cancellation near z = 1.
+float oneMinusCosTheta(const Vec3& w);
+/// A light's parameter "from" and "to" as a frame: translation to `from`, +z towards `to`. Throws
+/// SceneError when they coincide.
+Transform lightFrame(const Vec3& from, const Vec3& to, const SourceLocation& where);
 
 }  // namespace brume

@@ -8,6 +8,9 @@
 #include <limits>
 #include <optional>
 
+#if defined(GLM_VERSION) && !defined(GLM_FORCE_CTOR_INIT)
+#error "include core/math.h before any header of GLM: its macros change how vectors are passed"
+#endif
 #define GLM_FORCE_CTOR_INIT
 #define GLM_FORCE_XYZW_ONLY
 #include <glm/mat3x3.hpp>
@@ -20,6 +23,7 @@ namespace brume {
 
 using Vec2 = glm::vec2;
 using Vec3 = glm::vec3;
+using Vec2d = glm::dvec2;
 using Vec3d = glm::dvec3;
 using Vec2i = glm::ivec2;
 using Mat4 = glm::mat4;

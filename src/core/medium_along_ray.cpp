@@ -18,7 +18,9 @@ constexpr double kGaussInterval = 1;
 }  // namespace
 
 void MediumAlongRay::assign(const Volume& volume, const Ray& ray, Interval range) {
+  ray_ = ray;
   range_ = range;
+  maxAlbedo_ = Rgb();
   pieces_.clear();
   indices_.clear();
   spans_.clear();
@@ -40,7 +42,20 @@ void MediumAlongRay::assign(const Volume& volume, const Ray& ray, Interval range
       spans_[i] = {pieces_[i].t0, pieces_[i].t1, i, 1, Vec3d(0)};
     }
   }
+  findMaxAlbedo();
   accumulateDepths();
+}
+
+void MediumAlongRay::findMaxAlbedo() {
+  // The albedo of a sum lies between those of its parts.
+  const MediumCoefficients* last = nullptr;
+  for (const MediumPiece& p : pieces_) {
+    if (p.unit == last) continue;
+    last = p.unit;
+    const Rgb sigma_t = last->sigma_t();
+    for (int c = 0; c < 3; ++c)
+      if (sigma_t[c] > 0) maxAlbedo_[c] = std::max(maxAlbedo_[c], last->sigma_s[c] / sigma_t[c]);
+  }
 }
 
 void MediumAlongRay::sweepOverlaps() {

@@ -32,8 +32,11 @@ class MediumAlongRay {
   Rgb opticalDepth() const { return Rgb(toFloat(total_)); }
   /// Int_range.t0^t sigma_t.
   Rgb opticalDepth(float t) const { return toFloat(depthAt(t)); }
+  /// The same with all digits, for differences.
+  Vec3d depthAt(double t) const;
   Rgb transmittance() const { return exp(-opticalDepth()); }
-  Rgb transmittance(float t) const { return exp(-opticalDepth(t)); }
+  Rgb transmittance(float t) const { return toTransmittance(depthAt(t)); }
+  static Rgb toTransmittance(const Vec3d& depth) { return exp(-toFloat(depth)); }
   /// The t with opticalDepth(t)[channel] = depth; none when the range holds less.
   std::optional<float> invert(int channel, double depth) const;
   /// Coefficients at ray(t).
@@ -42,6 +45,9 @@ class MediumAlongRay {
   /// its coefficients share one density), elsewhere Gauss-Legendre with subdivision to below 1e-9.
   Rgb emission() const;
   bool isEmpty() const { return spans_.empty(); }
+  /// No sigma_s / sigma_t along the ray is larger, per channel.
+  const Rgb& maxAlbedo() const { return maxAlbedo_; }
+  const Ray& ray() const { return ray_; }
 
  private:
   struct Span {
@@ -57,15 +63,17 @@ class MediumAlongRay {
     return pieces_[indices_[s.first + i]];
   }
   void sweepOverlaps();
+  void findMaxAlbedo();
   void accumulateDepths();
   Vec3d depthBetween(const Span& s, double a, double b) const;
   double extinction(const Span& s, int channel, double t) const;
   double depthBetween(const Span& s, int channel, double a, double b) const;
-  Vec3d depthAt(double t) const;
   Vec3d emissionOfOverlap(const Span& s) const;
   Vec3d emissionByGauss(const Span& s, double a, double b, const Vec3d& depthAtA) const;
 
+  Ray ray_;
   Interval range_;
+  Rgb maxAlbedo_;
   std::vector<MediumPiece> pieces_;
   std::vector<std::uint32_t> indices_;
   std::vector<Span> spans_;

@@ -52,4 +52,9 @@ void forEachChunk(std::int64_t count, std::int64_t chunkSize,
   });
 }
 
+void runSerially(const std::function<void()>& body) {
+  tbb::task_arena arena(1);
+  arena.execute(body);
+}
+
 }  // namespace brume

@@ -19,4 +19,8 @@ void forEachChunk(
     std::int64_t count, std::int64_t chunkSize,
     const std::function<void(std::int64_t begin, std::int64_t end, std::int64_t chunk)>& body);
 
+/// Runs body with parallel loops inside it (of a library too) on the calling thread alone, so that
+/// what they build cannot depend on the number of threads.
+void runSerially(const std::function<void()>& body);
+
 }  // namespace brume

@@ -11,6 +11,9 @@
 
 namespace brume {
 
+/// Range of the numbers of samples per pixel that samplers declare.
+inline constexpr Range<int> kPixelSamplesRange{1, 1 << 24};
+
 /// Where and when one camera ray starts.
 struct CameraSample {
   Vec2 raster{0};  ///< continuous raster space: pixel (x, y) covers [x, x+1) x [y, y+1), y down
@@ -52,7 +55,8 @@ class Sampler {
   struct FactoryContext {
     Bounds2i pixels;     ///< all pixels that get samples (the crop window grown by the filter)
     bool quick = false;  ///< --quick
-    std::optional<int> samplesPerPixel;  ///< --spp: wins over the scene and --quick
+    std::optional<int>
+        samplesPerPixel;  ///< --spp, in kPixelSamplesRange: wins over the scene and --quick
     SourceLocation where;
     Log* log = nullptr;
   };

@@ -13,8 +13,7 @@ namespace brume {
 /// Where a ray meets a shape, as the accelerator reports it.
 struct ShapeHit {
   float t = 0;
-  float u = 0,
-        v = 0;  ///< barycentrics of vertices 1 and 2 (triangles), surface parameters (quadrics)
+  float u = 0, v = 0;           ///< barycentrics of vertices 1 and 2; unused by quadrics
   std::uint32_t primitive = 0;  ///< triangle index; 0 for quadrics
 };
 
@@ -37,6 +36,7 @@ class Shape {
   struct FactoryContext {
     Transform objectToShape;  ///< CTM, with the shift to render space where that applies
     bool reverseOrientation = false;
+    Vec3d sceneOrigin{0};  ///< what shape space is shifted by: p in scene space is p + sceneOrigin
     SourceLocation where;
     Log* log = nullptr;
     /// Flip of the normal: ReverseOrientation xor a mirroring transform.
@@ -57,8 +57,11 @@ class Shape {
 
   /// False: the shape cannot be an area light, and AreaLightSource on it is an error.
   virtual bool canSample() const { return true; }
-  /// A point uniform by area; pdf per area.
+  /// A point by area; pdf per area. Uniform, except on a quadric whose transform scales its axes
+  /// differently.
   virtual ShapeSample sampleArea(Vec2 u) const = 0;
+  /// Density per area of sampleArea at a point of the shape with its normal.
+  virtual float pdfArea(const Vec3& p, const Vec3& n) const;
   /// A point as seen from ref, pdf per solid angle; by default sampleArea with its pdf converted.
   /// None when degenerate.
   virtual std::optional<ShapeSample> sampleSolidAngle(const Vec3& ref, Vec2 u) const;

@@ -3,11 +3,14 @@
 // are made of triangles.
 #pragma once
 
+#include <array>
+#include <mutex>
+
 #include "core/shape.h"
 
 namespace brume {
 
-/// Raw data of a mesh in object space; checkMesh and the TriangleMesh constructor do the rest.
+/// Raw data of a mesh in object space; the TriangleMesh constructor checks it.
 struct MeshData {
   std::vector<int> indices;  ///< 3 per triangle, each in [0, points.size())
   std::vector<Vec3> points;
@@ -18,10 +21,12 @@ struct MeshData {
   bool discardDegenerateUvs = false;
 };
 
-/// Triangles in shape space. Sampling is uniform by area (area CDF over triangles).
-class TriangleMesh final : public Shape {
+/// Triangles in shape space; the plugins made of triangles derive from it. n follows the winding
+/// (not the sign of the uv, as in PBRT-v2). Sampling is uniform by area (area CDF over triangles).
+class TriangleMesh : public Shape {
  public:
-  /// Takes over the data and transforms it by context.objectToShape.
+  /// Takes over the data and transforms it by context.objectToShape. SceneError for indices out of
+  /// range, lists of different lengths, points that are not finite or beyond Embree's range.
   TriangleMesh(MeshData data, const FactoryContext& context);
 
   std::uint32_t triangleCount() const {
@@ -36,20 +41,32 @@ class TriangleMesh final : public Shape {
   /// Whether the surface is there at barycentrics (u, v) of a triangle.
   bool isOpaqueAt(std::uint32_t triangle, float u, float v) const;
 
-  Bounds3 bounds() const override { return bounds_; }
-  float area() const override { return area_; }
-  const TriangleMesh* mesh() const override { return this; }
-  SurfaceInteraction interaction(const Ray& ray, const ShapeHit& hit) const override;
-  ShapeSample sampleArea(Vec2 u) const override;
+  Bounds3 bounds() const final { return bounds_; }
+  float area() const final { return static_cast<float>(area_); }
+  const TriangleMesh* mesh() const final { return this; }
+  bool canSample() const final { return area_ > 0; }
+  SurfaceInteraction interaction(const Ray& ray, const ShapeHit& hit) const final;
+  ShapeSample sampleArea(Vec2 u) const final;
 
  private:
+  struct Corners {
+    Vec3 p0, p1, p2;
+  };
+  Corners corners(std::uint32_t triangle) const;
   std::array<Vec2, 3> triangleUvs(std::uint32_t triangle) const;
+  Vec2 uvAt(std::uint32_t triangle, float u, float v) const;
+  SurfaceDerivatives derivatives(std::uint32_t triangle, const Vec3& n) const;
+  void setShading(std::uint32_t triangle, const ShapeHit& hit, SurfaceInteraction& si) const;
+  double triangleArea(std::uint32_t triangle) const;
+  void buildAreaCdf() const;
 
   MeshData data_;  // one padding point at the end
   bool flipsNormal_ = false;
+  Vec3d sceneOrigin_{0};
   Bounds3 bounds_;
-  float area_ = 0;
-  std::vector<double> areaCdf_;  // built only when asked to sample
+  double area_ = 0;
+  mutable std::once_flag cdfBuilt_;  // most meshes emit nothing and never need it
+  mutable std::vector<double> areaCdf_;
 };
 
 }  // namespace brume

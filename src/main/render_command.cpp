@@ -163,6 +163,7 @@ void RenderRun::render(RenderJob& job, FrameReport report) {
   report.peakMemory = peakMemory();
   report.stats = result.stats;
   report.plugins = job.plugins();
+  report.plan = job.plan();
   const bool isInterrupted = result.reason == StopReason::Interrupted;
   say(fmt::format("{} {} ({} x {}, {})", isInterrupted ? "interrupted; wrote" : "wrote",
                   film.filename, film.crop.width(), film.crop.height(),

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <charconv>
-#include <cmath>
 
 #include "core/integrator.h"
 #include "core/log.h"
@@ -131,14 +130,6 @@ void addParam(const PluginInfo& info, std::string_view assignment, ParamSet& par
                                key, nearestSpelling(key, known), listChoices(known)));
 }
 
-Param integerParam(const char* name, int value) {
-  Param param;
-  param.type = ParamType::Integer;
-  param.name = name;
-  param.values = std::vector<int>{value};
-  return param;
-}
-
 }  // namespace
 
 PluginDirective parseIntegrator(const std::string& argument) {
@@ -196,28 +187,6 @@ void refuseUnbuilt(RenderOptions& options, bool integratorGiven, Log& log) {
   if (const Unbuilt* u = findUnbuilt(kUnbuiltIntegrators, surface.name))
     if (!Registry<SurfaceIntegrator>::find(surface.name))
       failUnbuilt(surface.params.where(), "SurfaceIntegrator", *u);
-}
-
-void overrideSamplesPerPixel(int samples, PluginDirective& sampler) {
-  const auto* entry = Registry<Sampler>::find(sampler.name);
-  if (!entry) return;  // an unknown sampler is reported where it is made
-  const std::vector<ParamRecord> records = entry->describe();
-  const auto declares = [&](std::string_view name) {
-    return std::any_of(records.begin(), records.end(),
-                       [&](const ParamRecord& r) { return r.name == name; });
-  };
-  if (declares("pixelsamples")) {
-    sampler.params.add(integerParam("pixelsamples", samples));
-  } else if (declares("xsamples")) {
-    // As near to a square as the divisors of the number allow.
-    int x = static_cast<int>(std::sqrt(static_cast<double>(samples)));
-    while (samples % x != 0) --x;
-    sampler.params.add(integerParam("xsamples", samples / x));
-    sampler.params.add(integerParam("ysamples", x));
-  } else if (declares("maxsamples")) {
-    sampler.params.add(integerParam("minsamples", std::max(2, samples / 8)));
-    sampler.params.add(integerParam("maxsamples", std::max(4, samples)));
-  }
 }
 
 }  // namespace brume

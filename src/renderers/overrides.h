@@ -22,7 +22,4 @@ void overrideIntegrators(const std::vector<std::string>& arguments, RenderOption
 /// instead. A renderer with its own method gives way to an integrator that the command line names.
 void refuseUnbuilt(RenderOptions& options, bool integratorGiven, Log& log);
 
-/// --spp: sets the sampler's count, whatever its parameters call it.
-void overrideSamplesPerPixel(int samples, PluginDirective& sampler);
-
 }  // namespace brume

@@ -68,7 +68,6 @@ RenderJob::Parts::Parts(SceneDescription description, const RenderSettings& sett
   RenderOptions& options = description.options;
   overrideIntegrators(settings.integrators, options, log);
   refuseUnbuilt(options, !settings.integrators.empty(), log);
-  if (settings.samplesPerPixel) overrideSamplesPerPixel(*settings.samplesPerPixel, options.sampler);
 
   PluginFactory factory(options.searchDirectory, log);
   factory.make<RendererChoice>(options.renderer, {});
@@ -105,8 +104,8 @@ void RenderJob::Parts::makeImageSide(RenderOptions& options, PluginFactory& fact
 
   Sampler::FactoryContext samplerContext;
   samplerContext.pixels = film->sampleBounds();
-  // A count that the command line asks for is not reduced.
-  samplerContext.quick = settings.quick && !settings.samplesPerPixel;
+  samplerContext.quick = settings.quick;
+  samplerContext.samplesPerPixel = settings.samplesPerPixel;
   sampler = factory.make<Sampler>(options.sampler, samplerContext);
 }
 

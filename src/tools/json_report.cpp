@@ -63,6 +63,7 @@ Json frameJson(const FrameReport& frame) {
   forEachCounter(frame.stats, [&](std::string_view group, std::string_view name, std::uint64_t n) {
     counters[fmt::format("{}/{}", group, name)] = n;
   });
+  json["plan"] = frame.plan;
   Json& plugins = json["plugins"] = Json::array();
   for (const RenderJob::UsedPlugin& plugin : frame.plugins) plugins.push_back(pluginJson(plugin));
   return json;

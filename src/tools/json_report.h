@@ -30,6 +30,7 @@ struct FrameReport {
   std::uint64_t peakMemory = 0;  ///< of the whole process so far [bytes]
   Stats stats;
   std::vector<RenderJob::UsedPlugin> plugins;
+  std::vector<std::string> plan;  ///< what was built and what was skipped, and why
 };
 
 std::string_view toString(StopReason reason);

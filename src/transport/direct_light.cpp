@@ -16,16 +16,17 @@ LitSample sampleLight(const LitPoint& point, const Light& light, Vec2 u, LobeFla
   const auto [scene, at, bsdf, media] = point;
   const std::optional<LightSample> sample = light.sampleLi(at.p, u);
   if (!sample || !(sample->pdf > 0) || sample->L.isBlack()) return {};
-  const Rgb f = bsdf.f(at.wo, sample->wi, lobes);
-  if (f.isBlack()) return {};
+  const BsdfValue value = light.isDelta() ? BsdfValue{bsdf.f(at.wo, sample->wi, lobes), 0.f}
+                                          : bsdf.evaluate(at.wo, sample->wi, lobes);
+  if (value.f.isBlack()) return {};
   const Ray shadow = Scene::shadowRay(at, *sample);
   if (scene.isOccluded(shadow, context.stats)) return {};
 
   LitSample lit;
-  lit.value = f * sample->L * (absDot(sample->wi, bsdf.shadingNormal()) / sample->pdf);
+  lit.value = value.f * sample->L * (absDot(sample->wi, bsdf.shadingNormal()) / sample->pdf);
   if (scene.volume()) lit.value *= media.transmittance(shadow, context);
   lit.lightPdf = sample->pdf;
-  if (!light.isDelta()) lit.bsdfPdf = bsdf.pdf(at.wo, sample->wi, lobes);
+  lit.bsdfPdf = value.pdf;
   return lit;
 }
 

@@ -46,7 +46,8 @@ BoxVolume::BoxVolume(const VolumeParams& params, const FactoryContext& context)
             withoutNegatives(params.sigma_s, "sigma_s", context),
             withoutNegatives(params.Le, "Le", context)},
       phase_(makePhase(params.phase, context.where)) {
-  if ((lo_.x == hi_.x || lo_.y == hi_.y || lo_.z == hi_.z) && context.log)
+  isFlat_ = lo_.x == hi_.x || lo_.y == hi_.y || lo_.z == hi_.z;
+  if (isFlat_ && context.log)
     context.log->warning(context.where,
                          "the box from \"p0\" to \"p1\" is flat: it holds no medium");
 }
@@ -59,9 +60,9 @@ LocalRay BoxVolume::toLocal(const Ray& ray) const {
 }
 
 std::optional<IntervalD> BoxVolume::clip(const LocalRay& ray, Interval range) const {
+  if (isFlat_) return std::nullopt;
   IntervalD r{range.t0, range.t1};
   for (int a = 0; a < 3; ++a) {
-    // A ray in the plane of a face is inside for half the box only: lo belongs to it, hi does not.
     if (ray.d[a] == 0) {
       if (!(ray.o[a] >= lo_[a] && ray.o[a] <= hi_[a])) return std::nullopt;
       continue;
@@ -90,9 +91,10 @@ std::optional<Interval> BoxVolume::intersect(const Ray& ray) const {
 }
 
 MediumCoefficients BoxVolume::at(const Vec3& p) const {
+  if (isFlat_) return {};
   const Vec3d local = transformed(volumeToWorld_.inverseMatrix(), p, 1);
   for (int a = 0; a < 3; ++a)
-    if (!(local[a] >= lo_[a] && local[a] <= hi_[a] && lo_[a] < hi_[a])) return {};
+    if (!(local[a] >= lo_[a] && local[a] <= hi_[a])) return {};
   return unit_ * static_cast<float>(density(local));
 }
 

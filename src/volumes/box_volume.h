@@ -73,6 +73,7 @@ class BoxVolume : public Volume {
 
   Transform volumeToWorld_;
   Vec3d lo_, hi_;
+  bool isFlat_ = false;
   MediumCoefficients unit_;  // at density 1
   std::unique_ptr<PhaseFunction> phase_;
 };

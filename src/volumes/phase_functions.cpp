@@ -46,9 +46,9 @@ class HenyeyGreensteinPhase final : public PhaseFunction {
   }
   /// The usual inverse, rearranged so that 1 - cos and 1 + cos are products of exact differences.
   ScatteringAngle sampleAngle(float, float u) const override {
-    const float q = 1.f - g_ + 2.f * g_ * u;
-    return {2.f * sqr((1.f - g_) / q) * (1.f - u) * (1.f + g_ * u),
-            2.f * sqr((1.f + g_) / q) * u * (1.f - g_ * (1.f - u))};
+    const double g = g_, q = 1 - g + 2 * g * u;
+    return {static_cast<float>(2 * sqr((1 - g) / q) * (1 - double{u}) * (1 + g * u)),
+            static_cast<float>(2 * sqr((1 + g) / q) * u * (1 - g * (1 - double{u})))};
   }
   float g() const override { return g_; }
   float peak() const override {
@@ -70,8 +70,9 @@ class SchlickPhase final : public PhaseFunction {
     return kInv4Pi * (1.f - a) * (1.f + a) / sqr(denominator);
   }
   ScatteringAngle sampleAngle(float, float u) const override {
-    const float q = 1.f - k_ + 2.f * k_ * u;
-    return {2.f * (1.f - k_) * (1.f - u) / q, 2.f * (1.f + k_) * u / q};
+    const double k = k_, q = 1 - k + 2 * k * u;
+    return {static_cast<float>(2 * (1 - k) * (1 - double{u}) / q),
+            static_cast<float>(2 * (1 + k) * u / q)};
   }
   /// 1/k - (1 - k^2) / (2 k^2) ln((1 + k) / (1 - k)).
   float g() const override {

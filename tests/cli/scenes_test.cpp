@@ -43,7 +43,7 @@ TEST_P(Scenes, RendersSmall) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, Scenes, ::testing::ValuesIn(sceneNames()),
-                         [](const auto& info) { return info.param; });
+                         [](const auto& scene) { return scene.param; });
 
 }  // namespace
 }  // namespace brume::test

@@ -34,14 +34,14 @@ struct ProgramResult {
 };
 
 struct ProgramInput {
-  std::vector<std::string> arguments;
-  std::filesystem::path workingFolder;  ///< empty: the present one
-  std::string standardInput;
+  std::vector<std::string> arguments = {};
+  std::filesystem::path workingFolder = {};  ///< empty: the present one
+  std::string standardInput = {};
   /// A signal that is sent once standard error holds `waitFor`.
-  std::optional<int> signal;
-  std::string waitFor;
+  std::optional<int> signal = {};
+  std::string waitFor = {};
   /// Limit for the size of any file it writes [bytes]: a full disk.
-  std::optional<std::size_t> fileSizeLimit;
+  std::optional<std::size_t> fileSizeLimit = {};
 };
 
 /// Runs build/brume and waits for its end, a minute at most.

@@ -80,10 +80,11 @@ TEST(Layers, IncludesFollowTheLayers) {
 }
 
 TEST(Layers, QuotedIncludesAreOurs) {
-  for (const Include& include : allIncludes())
-    if (!include.isSystem)
-      EXPECT_TRUE(fs::exists(fs::path(BRUME_SOURCE_DIR) / "src" / include.header))
-          << "src/" << include.file.string() << " includes \"" << include.header << '"';
+  for (const Include& include : allIncludes()) {
+    if (include.isSystem) continue;
+    EXPECT_TRUE(fs::exists(fs::path(BRUME_SOURCE_DIR) / "src" / include.header))
+        << "src/" << include.file.string() << " includes \"" << include.header << '"';
+  }
 }
 
 /// Each library (by the start of its headers' names) is known to one .h/.cpp pair; fmt is free.

@@ -1,0 +1,283 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/triangle_mesh.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/log.h"
+#include "core/sampling.h"
+
+namespace brume {
+
+namespace {
+
+/// Embree drops what lies beyond this.
+constexpr double kLargestCoordinate = 1.8e18;
+
+void checkCount(std::size_t count, std::size_t points, const char* what,
+                const SourceLocation& where) {
+  if (count != 0 && count != points)
+    throw SceneError(
+        where, fmt::format("{} {} for {} points: one per point is needed", count, what, points));
+}
+
+void checkMesh(const MeshData& data, const SourceLocation& where) {
+  const std::size_t points = data.points.size();
+  if (data.indices.empty()) throw SceneError(where, "the mesh has no indices");
+  if (points == 0) throw SceneError(where, "the mesh has no points");
+  if (data.indices.size() % 3 != 0)
+    throw SceneError(where, fmt::format("{} indices are not a multiple of 3", data.indices.size()));
+  checkCount(data.normals.size(), points, "normals", where);
+  checkCount(data.tangents.size(), points, "tangents", where);
+  checkCount(data.uvs.size() / 2, points, "uv pairs", where);
+  for (std::size_t i = 0; i < data.indices.size(); ++i)
+    if (data.indices[i] < 0 || static_cast<std::size_t>(data.indices[i]) >= points)
+      throw SceneError(where,
+                       fmt::format("index {} (number {}) is out of range: there are {} points",
+                                   data.indices[i], i, points));
+}
+
+/// Whether a triangle that is not degenerate itself has two corners with equal uv.
+bool hasDegenerateUvs(const MeshData& data) {
+  const auto uv = [&](int i) { return Vec2(data.uvs[2 * i], data.uvs[2 * i + 1]); };
+  for (std::size_t i = 0; i < data.indices.size(); i += 3) {
+    const int a = data.indices[i], b = data.indices[i + 1], c = data.indices[i + 2];
+    const Vec3 edge1 = data.points[b] - data.points[a], edge2 = data.points[c] - data.points[a];
+    if (cross(edge1, edge2) == Vec3(0)) continue;
+    if (uv(a) == uv(b) || uv(b) == uv(c) || uv(c) == uv(a)) return true;
+  }
+  return false;
+}
+
+/// In double: the translation of a distant scene must not be rounded before it is added.
+void transformMesh(MeshData& data, const Transform& t, const SourceLocation& where) {
+  const Mat4d& m = t.matrix();
+  const Mat4d& inverse = t.inverseMatrix();
+  for (std::size_t i = 0; i < data.points.size(); ++i) {
+    const Vec3d p(m * glm::dvec4(Vec3d(data.points[i]), 1));
+    for (int k = 0; k < 3; ++k)
+      if (!(std::abs(p[k]) <= kLargestCoordinate))
+        throw SceneError(where, fmt::format("point number {} lies at ({}, {}, {}) after its "
+                                            "transform: coordinates must stay below {:g}",
+                                            i, p.x, p.y, p.z, kLargestCoordinate));
+    data.points[i] = Vec3(p);
+  }
+  for (Vec3& n : data.normals) {
+    const Vec3d d(n);
+    n = Vec3(
+        Vec3d(dot(Vec3d(inverse[0]), d), dot(Vec3d(inverse[1]), d), dot(Vec3d(inverse[2]), d)));
+  }
+  for (Vec3& s : data.tangents) s = Vec3(m * glm::dvec4(Vec3d(s), 0));
+}
+
+/// Bound on the error of a point on a triangle: its rounding to float, and how far Embree's float
+/// arithmetic may take the plane from where it is. That measures from a vertex to the ray's origin
+/// along the normal, so it is wrong by some roundings of the edges (first term), and by the
+/// rounding of the normal, which a cross product of long edges makes large for slivers (second
+/// term).
+Vec3 pointError(const Vec3& p, const Vec3d& edge1, const Vec3d& edge2,
+                const Vec3d& unscaledNormal) {
+  constexpr double kEpsilon = kMachineEpsilon;
+  const double doubleArea = length(unscaledNormal);
+  Vec3d extent, crossTerms;
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3, k = (i + 2) % 3;
+    extent[i] = std::max({std::abs(edge1[i]), std::abs(edge2[i]), std::abs(edge1[i] - edge2[i])});
+    crossTerms[i] = std::abs(edge1[j] * edge2[k]) + std::abs(edge1[k] * edge2[j]);
+  }
+  const double tilt = doubleArea > 0 ? kEpsilon * dot(crossTerms, extent) / doubleArea : 0;
+  Vec3 error;
+  for (int i = 0; i < 3; ++i) {
+    const double n = doubleArea > 0 ? std::abs(unscaledNormal[i]) / doubleArea : 0;
+    error[i] = static_cast<float>(kEpsilon * (1.01 * std::abs(p[i]) + 4 * extent[i]) +
+                                  2 * tilt * n + std::numeric_limits<float>::min());
+  }
+  return error;
+}
+
+}  // namespace
+
+TriangleMesh::TriangleMesh(MeshData data, const FactoryContext& context)
+    : data_(std::move(data)),
+      flipsNormal_(context.flipsNormal()),
+      sceneOrigin_(context.sceneOrigin) {
+  checkMesh(data_, context.where);
+  if (data_.discardDegenerateUvs && !data_.uvs.empty() && !data_.normals.empty() &&
+      hasDegenerateUvs(data_)) {
+    if (context.log) context.log->warning(context.where, "degenerate uv: all uv are discarded");
+    data_.uvs = {};
+  }
+  // A constant alpha other than 0 cuts nothing.
+  if (data_.alpha && data_.alpha->isConstant() && data_.alpha->constant != 0.f) data_.alpha.reset();
+
+  transformMesh(data_, context.objectToShape, context.where);
+  for (std::uint32_t i = 0; i < triangleCount(); ++i) {
+    const Corners c = corners(i);
+    bounds_.extend(c.p0);
+    bounds_.extend(c.p1);
+    bounds_.extend(c.p2);
+    area_ += triangleArea(i);
+  }
+  // Embree reads the last point with a load of 16 bytes.
+  data_.points.reserve(data_.points.size() + 1);
+  data_.points.push_back(Vec3(0));
+}
+
+TriangleMesh::Corners TriangleMesh::corners(std::uint32_t triangle) const {
+  const int* i = &data_.indices[3 * std::size_t{triangle}];
+  return {data_.points[i[0]], data_.points[i[1]], data_.points[i[2]]};
+}
+
+double TriangleMesh::triangleArea(std::uint32_t triangle) const {
+  const Corners c = corners(triangle);
+  return 0.5 * length(cross(Vec3d(c.p1) - Vec3d(c.p0), Vec3d(c.p2) - Vec3d(c.p0)));
+}
+
+std::array<Vec2, 3> TriangleMesh::triangleUvs(std::uint32_t triangle) const {
+  if (data_.uvs.empty()) return {Vec2(0, 0), Vec2(1, 0), Vec2(1, 1)};
+  const int* i = &data_.indices[3 * std::size_t{triangle}];
+  const auto uv = [&](int k) {
+    return Vec2(data_.uvs[2 * std::size_t(k)], data_.uvs[2 * std::size_t(k) + 1]);
+  };
+  return {uv(i[0]), uv(i[1]), uv(i[2])};
+}
+
+Vec2 TriangleMesh::uvAt(std::uint32_t triangle, float u, float v) const {
+  const std::array<Vec2, 3> uv = triangleUvs(triangle);
+  return uv[0] * (1 - u - v) + uv[1] * u + uv[2] * v;
+}
+
+bool TriangleMesh::isOpaqueAt(std::uint32_t triangle, float u, float v) const {
+  if (!data_.alpha) return true;
+  if (data_.alpha->isConstant()) return false;  // the constructor keeps only 0
+  const Corners c = corners(triangle);
+  TextureContext at;
+  at.p = Vec3(Vec3d(c.p0 * (1 - u - v) + c.p1 * u + c.p2 * v) + sceneOrigin_);
+  at.uv = uvAt(triangle, u, v);
+  return data_.alpha->evaluate(at) != 0.f;
+}
+
+/// dp/du and dp/dv from the corners' uv; any frame around n where those are degenerate.
+SurfaceDerivatives TriangleMesh::derivatives(std::uint32_t triangle, const Vec3& n) const {
+  const Corners c = corners(triangle);
+  const std::array<Vec2, 3> uv = triangleUvs(triangle);
+  const double du1 = double{uv[0].x} - uv[2].x, du2 = double{uv[1].x} - uv[2].x;
+  const double dv1 = double{uv[0].y} - uv[2].y, dv2 = double{uv[1].y} - uv[2].y;
+  const Vec3d dp1 = Vec3d(c.p0) - Vec3d(c.p2), dp2 = Vec3d(c.p1) - Vec3d(c.p2);
+  const double determinant = du1 * dv2 - dv1 * du2;
+  SurfaceDerivatives result;
+  result.dpdu = Vec3((dp1 * dv2 - dp2 * dv1) / determinant);
+  result.dpdv = Vec3((dp2 * du1 - dp1 * du2) / determinant);
+  if (determinant == 0 || !isFinite(result.dpdu) || !isFinite(result.dpdv)) {
+    const Frame frame = Frame::fromZ(n);
+    result.dpdu = frame.x;
+    result.dpdv = frame.y;
+  }
+  return result;
+}
+
+SurfaceInteraction TriangleMesh::interaction(const Ray& ray, const ShapeHit& hit) const {
+  const Corners c = corners(hit.primitive);
+  const Vec3d p0(c.p0), edge1 = Vec3d(c.p1) - p0, edge2 = Vec3d(c.p2) - p0;
+  const Vec3d unscaledNormal = cross(edge1, edge2);
+
+  SurfaceInteraction si;
+  si.p = Vec3(p0 + edge1 * static_cast<double>(hit.u) + edge2 * static_cast<double>(hit.v));
+  si.pError = pointError(si.p, edge1, edge2, unscaledNormal);
+  const double doubleArea = length(unscaledNormal);
+  if (doubleArea > 0)
+    si.n = Vec3(unscaledNormal * ((flipsNormal_ ? -1 : 1) / doubleArea));
+  else
+    si.n = tryNormalize(-ray.d).value_or(Vec3(0, 0, 1));
+  si.uv = uvAt(hit.primitive, hit.u, hit.v);
+  si.geometry = derivatives(hit.primitive, si.n);
+  si.ns = si.n;
+  si.shading = si.geometry;
+  if (!data_.normals.empty() || !data_.tangents.empty()) setShading(hit.primitive, hit, si);
+  si.wo = tryNormalize(-ray.d).value_or(si.n);
+  si.time = ray.time;
+  return si;
+}
+
+/// Shading normal and tangents from the vertices' normals and tangents. As in PBRT-v2 the tangents
+/// are unit vectors of which the first points against dpdu, and the normal is flipped with
+/// ReverseOrientation and mirroring, whatever the side of n.
+void TriangleMesh::setShading(std::uint32_t triangle, const ShapeHit& hit,
+                              SurfaceInteraction& si) const {
+  const int* i = &data_.indices[3 * std::size_t{triangle}];
+  const float b0 = 1 - hit.u - hit.v;
+  const auto interpolate = [&](const std::vector<Vec3>& values) {
+    return values[i[0]] * b0 + values[i[1]] * hit.u + values[i[2]] * hit.v;
+  };
+  Vec3 ns = si.n, normalSum(0);
+  if (!data_.normals.empty()) {
+    normalSum = interpolate(data_.normals);
+    ns = tryNormalize(normalSum).value_or(si.n);
+  }
+
+  Vec3 along = si.geometry.dpdu;
+  if (!data_.tangents.empty()) along = interpolate(data_.tangents);
+  const Vec3 tangent = tryNormalize(along).value_or(Vec3(0));
+  if (const std::optional<Vec3> bitangent = tryNormalize(cross(tangent, ns))) {
+    si.shading.dpdu = cross(*bitangent, ns);
+    si.shading.dpdv = *bitangent;
+  } else {
+    const Frame frame = Frame::fromZ(ns);
+    si.shading.dpdu = frame.x;
+    si.shading.dpdv = frame.y;
+  }
+
+  // The derivative of the normalised sum, across the uv of the triangle.
+  const double sumLength = length(Vec3d(normalSum));
+  const bool flips = flipsNormal_ && sumLength > 0;
+  if (sumLength > 0) {
+    const std::array<Vec2, 3> uv = triangleUvs(triangle);
+    const double du1 = double{uv[0].x} - uv[2].x, du2 = double{uv[1].x} - uv[2].x;
+    const double dv1 = double{uv[0].y} - uv[2].y, dv2 = double{uv[1].y} - uv[2].y;
+    const double determinant = du1 * dv2 - dv1 * du2;
+    const Vec3d n(ns), dn1 = Vec3d(data_.normals[i[0]]) - Vec3d(data_.normals[i[2]]),
+                       dn2 = Vec3d(data_.normals[i[1]]) - Vec3d(data_.normals[i[2]]);
+    const auto projected = [&](const Vec3d& d) {
+      const Vec3 result((d - n * dot(n, d)) * ((flips ? -1 : 1) / (determinant * sumLength)));
+      return isFinite(result) ? result : Vec3(0);
+    };
+    si.shading.dndu = projected(dn1 * dv2 - dn2 * dv1);
+    si.shading.dndv = projected(dn2 * du1 - dn1 * du2);
+  }
+  si.ns = flips ? -ns : ns;
+}
+
+void TriangleMesh::buildAreaCdf() const {
+  areaCdf_.reserve(triangleCount());
+  double sum = 0;
+  for (std::uint32_t i = 0; i < triangleCount(); ++i) areaCdf_.push_back(sum += triangleArea(i));
+}
+
+ShapeSample TriangleMesh::sampleArea(Vec2 u) const {
+  std::call_once(cdfBuilt_, [this] { buildAreaCdf(); });
+
+  // Choose a triangle by its area, then use the rest of the random number again.
+  const double target = static_cast<double>(u.x) * areaCdf_.back();
+  auto chosen = std::upper_bound(areaCdf_.begin(), areaCdf_.end(), target);
+  if (chosen == areaCdf_.end()) --chosen;
+  const double below = chosen == areaCdf_.begin() ? 0 : *(chosen - 1);
+  const double rest = *chosen > below ? (target - below) / (*chosen - below) : 0;
+  const auto triangle = static_cast<std::uint32_t>(chosen - areaCdf_.begin());
+  const Vec2 b = sampleUniformTriangle({std::min(static_cast<float>(rest), kOneMinusEpsilon), u.y});
+
+  const Corners c = corners(triangle);
+  const Vec3d p0(c.p0), edge1 = Vec3d(c.p1) - p0, edge2 = Vec3d(c.p2) - p0;
+  const Vec3d unscaledNormal = cross(edge1, edge2);
+  const float b1 = b.y, b2 = std::max(0.f, 1 - b.x - b.y);
+  ShapeSample sample;
+  sample.p = Vec3(p0 + edge1 * static_cast<double>(b1) + edge2 * static_cast<double>(b2));
+  sample.pError = pointError(sample.p, edge1, edge2, unscaledNormal);
+  const double doubleArea = length(unscaledNormal);
+  if (doubleArea > 0) sample.n = Vec3(unscaledNormal * ((flipsNormal_ ? -1 : 1) / doubleArea));
+  sample.uv = uvAt(triangle, b1, b2);
+  sample.pdf = static_cast<float>(1 / area_);
+  return sample;
+}
+
+}  // namespace brume

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/light.h"
+#include "core/registry.h"
+
+namespace brume {
+namespace {
+
+/// A shape that emits radiance L evenly on the side of its normal, in all directions. Sampled by
+/// the shape, per solid angle. Power pi A L. Test: light_test.
+class DiffuseAreaLight final : public AreaLight {
+ public:
+  struct Params {
+    Rgb L{1.f}, scale{1.f};
+    int nsamples = 1;
+
+    void visit(ParamVisitor& v) {
+      v(L, "L", kAnyFloat, Unit::Radiance, "emitted radiance");
+      v(scale, "scale", kAnyFloat, Unit::None, "multiplies L");
+      v(nsamples, "nsamples", kPositiveInt, Unit::Samples,
+        "shadow rays per point for \"directlighting\"");
+    }
+  };
+
+  DiffuseAreaLight(const Params& params, const FactoryContext& context)
+      : shape_(*context.shape),
+        L_(params.L * params.scale),
+        sampleCount_(context.quick ? std::max(1, params.nsamples / 4) : params.nsamples) {
+    if (!shape_.canSample())
+      throw SceneError(context.where, "this shape cannot be an area light: it cannot be sampled");
+    area_ = shape_.area();
+    bounds_ = shape_.bounds();
+  }
+
+  int sampleCount() const override { return sampleCount_; }
+  std::optional<LightSample> sampleLi(const Vec3& p, Vec2 u) const override {
+    const std::optional<ShapeSample> point = shape_.sampleSolidAngle(p, u);
+    if (!point || !(point->pdf > 0)) return std::nullopt;
+    const Vec3d d = Vec3d(point->p) - Vec3d(p);
+    const double distance = length(d);
+    if (!(distance > 0)) return std::nullopt;
+    LightSample sample;
+    sample.wi = Vec3(d / distance);
+    if (!(dot(point->n, sample.wi) < 0)) return std::nullopt;
+    sample.L = L_;
+    sample.pdf = point->pdf;
+    sample.distance = static_cast<float>(distance);
+    sample.p = point->p;
+    sample.pError = point->pError;
+    sample.n = point->n;
+    return sample;
+  }
+  float pdfLiAt(const Vec3& ref, const Vec3& wi, const Vec3& hitPoint,
+                const Vec3& hitNormal) const override {
+    return shape_.pdfSolidAngle(ref, wi, hitPoint, hitNormal);
+  }
+  Rgb L(const Vec3&, const Vec3& n, Vec2, const Vec3& w) const override {
+    return dot(n, w) > 0 ? L_ : Rgb();
+  }
+  Rgb power() const override { return L_ * (kPi * area_); }
+  /// L times a solid angle of about A / d^2, never more than a hemisphere: that of a disk of area A
+  /// seen along its axis, to first order at both ends.
+  float importance(const Bounds3& region) const override {
+    const float perDistance = area_ * inverseSquareTo(region);
+    return lightWeight(L_) * 2 * kPi / (1 + 2 * kPi / perDistance);
+  }
+  std::optional<Vec3> position() const override { return bounds_.center(); }
+
+ private:
+  /// 1/d^2 between the region and the point of the shape's bounds that is nearest to it.
+  float inverseSquareTo(const Bounds3& region) const {
+    return boundedInverseSquare(max(bounds_.lo, min(bounds_.hi, region.center())), region);
+  }
+
+  const Shape& shape_;
+  Rgb L_;
+  int sampleCount_;
+  float area_ = 0;
+  Bounds3 bounds_;
+};
+
+const RegisterPlugin<AreaLight, DiffuseAreaLight> kRegistration{"area", Origin::PbrtV2,
+                                                                "shape that emits evenly"};
+const RegisterPlugin<AreaLight, DiffuseAreaLight> kAlias{"diffuse", Origin::PbrtV2,
+                                                         "the same as \"area\""};
+
+}  // namespace
+}  // namespace brume

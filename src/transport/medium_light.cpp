@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "transport/medium_light.h"
+
+namespace brume {
+
+namespace {
+
+/// Peak over isotropic above which the phase function is sampled as well: g about 0.4 for
+/// Henyey-Greenstein.
+constexpr float kPeaked = 4;
+
+/// What arrives along a direction, and its density under light sampling.
+struct Arrival {
+  Rgb L;
+  float lightPdf = 0;
+};
+
+Rgb attenuated(const Scene& scene, const Rgb& L, const Ray& shadow, Stats& stats) {
+  if (L.isBlack() || scene.isOccluded(shadow, stats)) return {};
+  return scene.volume() ? L * scene.volume()->transmittance(shadow) : L;
+}
+
+/// Light of one area or infinite light along a direction that the phase function chose.
+Arrival arrival(const Scene& scene, const MediumVertex& vertex, const Light& light, const Vec3& wi,
+                Stats& stats) {
+  FootprintRay ray{Ray{vertex.p, wi, kInfinity, vertex.time}};
+  if (light.isInfinite()) {
+    const float pdf = light.pdfLi(vertex.p, wi);
+    return {attenuated(scene, light.Le(ray), ray, stats), pdf};
+  }
+  const auto hit = scene.intersect(ray, stats);
+  if (!hit || hit->areaLight != &light) return {};
+  const auto& area = static_cast<const AreaLight&>(light);
+  Arrival a{area.L(hit->p, hit->n, hit->uv, -wi), area.pdfLiAt(vertex.p, wi, hit->p, hit->n)};
+  ray.tMax = distance(vertex.p, hit->p);
+  if (scene.volume() && !a.L.isBlack()) a.L *= scene.volume()->transmittance(ray);
+  return a;
+}
+
+}  // namespace
+
+float LightEstimate::at(float t) const {
+  const Vec3 p = ray_(t);
+  const auto s = light_.sampleLi(p, Vec2(0.5f));
+  if (!s || !(s->pdf > 0)) return 0;
+  return s->L.average() / s->pdf * volume_.phase(p, -ray_.d, s->wi);
+}
+
+bool wantsPhaseSampling(const Volume& volume, const Light& light) {
+  return !light.isDelta() && volume.phasePeak() > kPeaked * kInv4Pi;
+}
+
+Rgb estimateInscattering(const Scene& scene, const MediumVertex& vertex, const Light& light,
+                         const MediumLightUniforms& u, Stats& stats) {
+  const Volume& volume = *scene.volume();
+  const bool bothTechniques = wantsPhaseSampling(volume, light);
+
+  if (bothTechniques && u.technique < 0.5f) {
+    const PhaseSample s = volume.samplePhase(vertex.p, vertex.wo, u.lobe, u.phase);
+    if (!(s.pdf > 0)) return {};
+    const Arrival a = arrival(scene, vertex, light, s.wi, stats);
+    return a.L * (s.value / (0.5f * (s.pdf + a.lightPdf)));
+  }
+
+  const auto s = light.sampleLi(vertex.p, u.light);
+  if (!s || !(s->pdf > 0)) return {};
+  const float p = volume.phase(vertex.p, vertex.wo, s->wi);
+  const float pdf = bothTechniques ? 0.5f * (s->pdf + p) : s->pdf;
+  const Ray shadow = Scene::shadowRay(vertex.p, vertex.time, *s);
+  return attenuated(scene, s->L * (p / pdf), shadow, stats);
+}
+
+}  // namespace brume

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "core/scene.h"
+#include "transport/distance_sampling.h"
+
+namespace brume {
+
+/// A point in a medium at which light is turned towards wo.
+struct MediumVertex {
+  Vec3 p{0};
+  Vec3 wo{0};  ///< unit, to the viewer
+  float time = 0;
+};
+
+/// Random numbers for one estimate.
+struct MediumLightUniforms {
+  Vec2 light{0};
+  float technique = 0;  ///< light or phase sampling
+  float lobe = 0;       ///< of the phase function
+  Vec2 phase{0};
+};
+
+/// Unshadowed in-scattering of the middle of a light along a ray.
+class LightEstimate final : public ScatteringEstimate {
+ public:
+  LightEstimate(const Volume& volume, const Ray& ray, const Light& light)
+      : volume_(volume), ray_(ray), light_(light) {}
+  float at(float t) const override;
+
+ private:
+  const Volume& volume_;
+  const Ray& ray_;
+  const Light& light_;
+};
+
+/// Whether phase function sampling pays: its peak rises this far above isotropic.
+bool wantsPhaseSampling(const Volume& volume, const Light& light);
+
+/// One-sample estimate of the light that a vertex turns towards the viewer, per sigma_s:
+///   Int_S2 p(wo, wi) L_light(wi) V Tr dwi                              [W m^-2 sr^-1]
+/// Tr is exact, up to the light. Surfaces of any kind block, glass too (PBRT-v2). For lights that
+/// are no delta distributions in media with a peaked phase function, light and phase sampling each
+/// take half of the samples and the density is that of the mixture (balance heuristic).
+Rgb estimateInscattering(const Scene& scene, const MediumVertex& vertex, const Light& light,
+                         const MediumLightUniforms& u, Stats& stats);
+
+}  // namespace brume
