@@ -200,7 +200,7 @@ class EmbreeAccelerator final : public Accelerator {
 
 EmbreeAccelerator::EmbreeAccelerator(const std::vector<PrimitiveGroup>& groups) {
   BRUME_CHECK(!groups.empty());
-  device_.reset(rtcNewDevice("ignore_config_files=1"));
+  device_.reset(rtcNewDevice(nullptr));
   if (!device_) throw InternalError("Embree cannot be started on this machine");
   rtcSetDeviceMemoryMonitorFunction(
       device_.get(),
