@@ -8,6 +8,9 @@
 #include <limits>
 #include <optional>
 
+#if defined(GLM_VERSION) && !defined(GLM_FORCE_CTOR_INIT)
+#error "include core/math.h before any header of GLM: its macros change how vectors are passed"
+#endif
 #define GLM_FORCE_CTOR_INIT
 #define GLM_FORCE_XYZW_ONLY
 #include <glm/mat3x3.hpp>

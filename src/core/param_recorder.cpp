@@ -41,9 +41,14 @@ std::string rangeText(const ParamDecl& decl) {
                                       : double{std::numeric_limits<float>::lowest()});
   const bool hasHi = decl.hi < (isInt ? std::numeric_limits<int>::max()
                                       : double{std::numeric_limits<float>::max()});
-  if (hasLo && hasHi) return fmt::format("{}{}, {}]", decl.openLo ? "(" : "[", decl.lo, decl.hi);
-  if (hasLo) return fmt::format("{} {}", decl.openLo ? ">" : ">=", decl.lo);
-  return hasHi ? fmt::format("<= {}", decl.hi) : std::string();
+  // As the float that was declared, which has fewer digits than its double.
+  const auto bound = [isInt](double v) {
+    return isInt ? fmt::format("{}", v) : text(static_cast<float>(v));
+  };
+  if (hasLo && hasHi)
+    return fmt::format("{}{}, {}]", decl.openLo ? "(" : "[", bound(decl.lo), bound(decl.hi));
+  if (hasLo) return fmt::format("{} {}", decl.openLo ? ">" : ">=", bound(decl.lo));
+  return hasHi ? fmt::format("<= {}", bound(decl.hi)) : std::string();
 }
 
 }  // namespace

@@ -47,6 +47,8 @@ class Registry {
   struct Entry : PluginInfo {
     std::unique_ptr<Interface> (*create)(ParamReader&, const Context&,
                                          std::vector<ParamRecord>* effective) = nullptr;
+    /// Reads the parameters as create does, with all its errors, and makes nothing.
+    void (*check)(ParamReader&) = nullptr;
   };
 
   static std::vector<const Entry*>& entries() {
@@ -91,6 +93,10 @@ class RegisterPlugin {
         *effective = std::move(recorder.records);
       }
       return std::make_unique<Plugin>(std::move(params), context);
+    };
+    entry_.check = [](ParamReader& reader) {
+      typename Plugin::Params params;
+      params.visit(reader);
     };
     Registry<Interface>::entries().push_back(&entry_);
     addPluginInfo(&entry_);

@@ -25,6 +25,9 @@ class Scene {
     std::vector<std::unique_ptr<Material>> materials;
     std::vector<std::unique_ptr<Shape>> shapes;
     std::vector<std::unique_ptr<Light>> lights;  ///< area lights included
+    /// Area lights inside object definitions: they emit where they are seen, but nobody samples
+    /// them.
+    std::vector<std::unique_ptr<Light>> unsampledLights;
     std::vector<std::unique_ptr<Volume>> volumes;
     std::vector<PrimitiveGroup> groups{1};  ///< back() is the scene
     Vec3d sceneOrigin{0};

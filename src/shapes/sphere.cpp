@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <glm/matrix.hpp>
-
 #include "core/quadric.h"
 #include "core/registry.h"
 #include "core/sampling.h"

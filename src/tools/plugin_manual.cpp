@@ -23,7 +23,7 @@ std::string defaultText(const ParamRecord& record) {
 std::string limitsText(const ParamRecord& record) {
   std::string text = record.choices.empty() ? record.range : listChoices(record.choices);
   if (record.unit.empty()) return text;
-  return fmt::format("{}{}[{}]", text, text.empty() ? "" : " ", record.unit);
+  return fmt::format("{}{}{}", text, text.empty() ? "" : ", ", record.unit);
 }
 
 std::string originText(const PluginInfo& info) {

@@ -39,6 +39,16 @@ Arrival arrival(const Scene& scene, const MediumVertex& vertex, const Light& lig
 
 }  // namespace
 
+float LightEstimate::at(float t) const {
+  const Vec3 p = ray_(t);
+  const auto s = light_.sampleLi(p, Vec2(0.5f));
+  if (!s || !(s->pdf > 0)) return 0;
+  const Rgb L = volume_.isClosedForm()
+                    ? s->L * volume_.transmittance(Scene::shadowRay(p, ray_.time, *s))
+                    : s->L;
+  return L.average() / s->pdf * volume_.phase(p, -ray_.d, s->wi);
+}
+
 bool wantsPhaseSampling(const Volume& volume, const Light& light) {
   return !light.isDelta() && volume.phasePeak() > kPeaked * kInv4Pi;
 }

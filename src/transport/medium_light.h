@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/scene.h"
+#include "transport/distance_sampling.h"
 
 namespace brume {
 
@@ -18,6 +19,21 @@ struct MediumLightUniforms {
   float technique = 0;  ///< light or phase sampling
   float lobe = 0;       ///< of the phase function
   Vec2 phase{0};
+};
+
+/// In-scattering of the middle of a light along a ray, without shadows of surfaces; attenuated
+/// where that is cheap.
+class LightEstimate final : public ScatteringEstimate {
+ public:
+  LightEstimate(const Volume& volume, const Ray& ray, const Light& light)
+      : volume_(volume), ray_(ray), light_(light) {}
+  float at(float t) const override;
+  bool isReliable() const override { return volume_.isClosedForm() && light_.isDelta(); }
+
+ private:
+  const Volume& volume_;
+  const Ray& ray_;
+  const Light& light_;
 };
 
 /// Whether phase function sampling pays: its peak rises this far above isotropic.

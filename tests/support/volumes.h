@@ -15,6 +15,7 @@ struct MediumSpec {
   Rgb sigma_a{0.f}, sigma_s{0.f}, Le{0.f};
   Vec3 p0{0}, p1{1};
   float g = 0;
+  Rgb sigma_t() const { return sigma_a + sigma_s; }
   Transform volumeToWorld{};
 };
 std::unique_ptr<Volume> makeHomogeneous(const MediumSpec& spec);

@@ -27,6 +27,7 @@ struct Shaded {
 struct Specular {
   Vec3 wi{0};
   Rgb weight;
+  float eta = 1;
 };
 std::optional<Specular> specular(const Bsdf& bsdf, const Vec3& wo, LobeFlags kind) {
   const auto s = bsdf.sample(fromPlane(wo), .5f, {.3f, .7f}, kind | kSpecular);
@@ -34,7 +35,7 @@ std::optional<Specular> specular(const Bsdf& bsdf, const Vec3& wo, LobeFlags kin
   EXPECT_TRUE(s->isSpecular());
   EXPECT_EQ(s->isTransmission(), kind == kTransmission);
   return Specular{bsdf.frame().toLocal(s->wi),
-                  s->f * (absDot(s->wi, bsdf.shadingNormal()) / s->pdf)};
+                  s->f * (absDot(s->wi, bsdf.shadingNormal()) / s->pdf), s->eta};
 }
 
 /// Fresnel's reflectance in double, textbook form.
@@ -125,6 +126,7 @@ TEST(Glass, ObeysFresnelAndSnell) {
     EXPECT_NEAR(refracted->wi.x * etaT, -wo.x * etaI, 1e-5);
     EXPECT_NEAR(refracted->wi.y * etaT, -wo.y * etaI, 1e-5);
     EXPECT_LT(refracted->wi.z * wo.z, 0);
+    EXPECT_NEAR(refracted->eta, etaI / etaT, 1e-6);
   }
 }
 

@@ -35,9 +35,7 @@ class DirectLighting final : public SurfaceIntegrator {
   DirectLighting(Params params, const FactoryContext& context)
       : params_(params), scene_(*context.scene), grid_(scene_) {
     for (const Light* light : grid_.lights()) {
-      // --quick asks for a quarter of the samples, as in PBRT-v2.
-      const int wanted =
-          std::max(1, context.quick ? light->sampleCount() / 4 : light->sampleCount());
+      const int wanted = light->sampleCount();
       sampleCounts_.push_back(context.sampler ? context.sampler->roundCount(wanted) : wanted);
     }
   }
