@@ -5,6 +5,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "core/error.h"
 #include "core/transform.h"
 
 namespace brume {
