@@ -161,12 +161,13 @@ TEST(Single, EqualMediaOfAllKindsGiveTheSame) {
   const Scene a = sceneOf(test::makeHomogeneous(fog(.5f)));
   const Scene b = sceneOf(test::makeExponential(fog(.5f), 1.f, 0.f));
   const Scene c = sceneOf(test::makeGrid(fog(.5f), 8, 9, 5, std::vector<float>(360, 1.f)));
-  const Estimate ea = test::estimate(*makeSingle(a, 8), kRay, 20);
-  const Estimate eb = test::estimate(*makeSingle(b, 8), kRay, 20);
-  const Estimate ec = test::estimate(*makeSingle(c, 8), kRay, 20);
+  const Estimate ea = test::estimate(*makeSingle(a, 1024), kRay, 20);
+  const Estimate eb = test::estimate(*makeSingle(b, 1024), kRay, 20);
+  const Estimate ec = test::estimate(*makeSingle(c, 1024), kRay, 20);
   for (int k = 0; k < 3; ++k) {
     EXPECT_DOUBLE_EQ(ea.mean[k], eb.mean[k]);
-    EXPECT_NEAR(ea.mean[k], ec.mean[k], 2e-5 * ea.mean[k]);  // same random numbers
+    // The grid's distances are drawn in another way: agreement to the noise of 20480 of them.
+    EXPECT_NEAR(ea.mean[k], ec.mean[k], 1e-3 * ea.mean[k]);
   }
 }
 

@@ -3,7 +3,8 @@
 
 #include <fmt/format.h>
 
-#include "core/parse/pbrt_names.h"
+#include "core/io/source_file.h"
+#include "core/parse/find_plugin.h"
 
 namespace brume {
 
@@ -13,14 +14,15 @@ constexpr int kMaxMixed = 64;  // materials that one mix may reach through other
 
 }  // namespace
 
-MaterialStore::MaterialStore(TextureStore& textures, Log& log) : textures_(textures), log_(log) {
+MaterialStore::MaterialStore(TextureStore& textures, const std::string& searchDirectory, Log& log)
+    : textures_(textures), searchDirectory_(searchDirectory), log_(log) {
   Definition standard;
   standard.type = "matte";
   directives_.push_back(std::move(standard));
 }
 
-std::size_t MaterialStore::add(PluginDirective plugin, const std::string& searchDirectory) {
-  Definition definition{std::move(plugin.name), std::move(plugin.params), searchDirectory};
+std::size_t MaterialStore::add(PluginDirective plugin) {
+  Definition definition{std::move(plugin.name), std::move(plugin.params)};
   definition.entry = &findPlugin<Material>(definition.type, definition.params.where());
   // A texture that it names may still be defined before the first shape.
   check(definition, TextureStore::Answer::Anything);
@@ -29,7 +31,7 @@ std::size_t MaterialStore::add(PluginDirective plugin, const std::string& search
 }
 
 void MaterialStore::defineNamed(const std::string& name, ParamSet params,
-                                std::size_t currentDirective, const std::string& searchDirectory) {
+                                std::size_t currentDirective) {
   Definition definition;
   definition.fallback = currentDirective;
   Param* type = params.find(ParamType::String, "type");
@@ -43,7 +45,6 @@ void MaterialStore::defineNamed(const std::string& name, ParamSet params,
   definition.type = std::get<std::vector<std::string>>(type->values).front();
   definition.entry = &findPlugin<Material>(definition.type, type->where);
   definition.params = std::move(params);
-  definition.searchDirectory = searchDirectory;
 
   check(definition, TextureStore::Answer::Existence);
   definition.bindings = bind(definition.params);
@@ -61,8 +62,7 @@ void MaterialStore::defineNamed(const std::string& name, ParamSet params,
 /// Reads the parameters without making anything.
 void MaterialStore::check(Definition& definition, TextureStore::Answer answer) {
   const TextureStore::LookupScope scope(textures_, nullptr, answer);
-  ParamReader reader(setsOf(definition), definition.type, definition.searchDirectory, &textures_,
-                     log_);
+  ParamReader reader(setsOf(definition), definition.type, searchDirectory_, &textures_, log_);
   definition.entry->check(reader);
   reportUnusedParams(definition.params, definition.type, definition.entry->origin,
                      reader.declared(), log_);
@@ -134,8 +134,7 @@ MaterialStore::ForShape MaterialStore::forShape(const std::string& name) {
 
 const Material* MaterialStore::make(Definition& definition, std::vector<ParamSet*> sets) {
   const SourceLocation where = definition.params.where();
-  ParamReader reader(std::move(sets), definition.type, definition.searchDirectory, &textures_,
-                     log_);
+  ParamReader reader(std::move(sets), definition.type, searchDirectory_, &textures_, log_);
   made_.push_back(definition.entry->create(reader, {this, where, &log_}, nullptr));
   return made_.back().get();
 }

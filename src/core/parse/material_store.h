@@ -18,14 +18,13 @@ namespace brume {
 class MaterialStore final : public Material::FactoryContext::Lookup {
  public:
   /// Directive 0 is the default, matte.
-  MaterialStore(TextureStore& textures, Log& log);
+  MaterialStore(TextureStore& textures, const std::string& searchDirectory, Log& log);
 
   /// A Material directive; returns its number.
-  std::size_t add(PluginDirective plugin, const std::string& searchDirectory);
+  std::size_t add(PluginDirective plugin);
   /// MakeNamedMaterial: its type stands in the parameter "string type"; parameters of the current
   /// Material directive are used where its own are silent (PBRT-v2).
-  void defineNamed(const std::string& name, ParamSet params, std::size_t currentDirective,
-                   const std::string& searchDirectory);
+  void defineNamed(const std::string& name, ParamSet params, std::size_t currentDirective);
   void beginBlock() { names_.beginBlock(); }
   void endBlock() { names_.endBlock(); }
 
@@ -55,7 +54,6 @@ class MaterialStore final : public Material::FactoryContext::Lookup {
   struct Definition {
     std::string type;
     ParamSet params;
-    std::string searchDirectory;
     const Entry* entry = nullptr;              // looked up late for the default
     std::optional<std::size_t> fallback = {};  // directive that fills the gaps
     Bindings bindings = {};                    // named: where defined; directive: where made
@@ -72,6 +70,7 @@ class MaterialStore final : public Material::FactoryContext::Lookup {
   const std::vector<std::string>& paramNames(const Entry& entry);
 
   TextureStore& textures_;
+  std::string searchDirectory_;
   Log& log_;
   std::deque<Definition> directives_;
   std::deque<Definition> named_;

@@ -28,7 +28,7 @@ const Parser::Directive Parser::kDirectives[] = {
        p.builder_.options().sampler = p.readPlugin();
      }},
     {"Accelerator", Allowed::InOptions, [](Parser& p, const SourceLocation&) {
-       p.builder_.accelerator(p.readPlugin());
+       p.builder_.options().accelerator = p.readPlugin();
      }},
     {"Renderer", Allowed::InOptions, [](Parser& p, const SourceLocation&) {
        p.builder_.options().renderer = p.readPlugin();

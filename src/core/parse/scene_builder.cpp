@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "core/parse/pbrt_names.h"
+#include "core/io/source_file.h"
 #include "core/parse/world_state.h"
 
 namespace brume {
@@ -43,19 +43,17 @@ void dropUnusedGroups(std::vector<PrimitiveGroup>& groups) {
 
 }  // namespace
 
-SceneBuilder::SceneBuilder(const ParseSettings& settings, Log& log)
-    : settings_(settings), log_(log) {}
+SceneBuilder::SceneBuilder(const std::string& searchDirectory, const ParseSettings& settings,
+                           Log& log)
+    : settings_(settings), log_(log), searchDirectory_(searchDirectory) {
+  options_.searchDirectory = searchDirectory;
+}
 SceneBuilder::~SceneBuilder() = default;
 
 void SceneBuilder::camera(PluginDirective directive) {
   options_.camera = std::move(directive);
   cameraToWorld_ = transform_.pair().inverse();
   transform_.nameSystem("camera", cameraToWorld_);
-}
-
-void SceneBuilder::accelerator(PluginDirective directive) {
-  checkAccelerator(directive.name, directive.params, log_);
-  options_.accelerator = std::move(directive);
 }
 
 void SceneBuilder::transformTimes(double start, double end, const SourceLocation& where) {
@@ -73,9 +71,8 @@ AnimatedTransform SceneBuilder::animated(const Transform& start, const Transform
 
 void SceneBuilder::beginWorld(const SourceLocation& where) {
   worldBeganAt_ = where;
-  world_ = std::make_unique<World>(log_);
+  world_ = std::make_unique<World>(searchDirectory_, log_);
   options_.cameraToWorld = animated(cameraToWorld_.start, cameraToWorld_.end);
-  options_.searchDirectory = searchDirectory_;
   world_->contents.sceneOrigin = Vec3d(cameraToWorld_.start.matrix()[3]);
   transform_.reset();
   transform_.nameSystem("world");
@@ -127,17 +124,16 @@ void SceneBuilder::endBlock(BlockKind kind, const SourceLocation& where) {
 
 void SceneBuilder::texture(TextureStore::Directive directive) {
   warnIfAnimated(directive.plugin.params.where(), "Texture");
-  world_->textures.define(std::move(directive), transform_.pair().start, searchDirectory_);
+  world_->textures.define(std::move(directive), transform_.pair().start);
 }
 
 void SceneBuilder::material(PluginDirective directive) {
-  world_->graphics.material = world_->materials.add(std::move(directive), searchDirectory_);
+  world_->graphics.material = world_->materials.add(std::move(directive));
   world_->graphics.namedMaterial.reset();
 }
 
 void SceneBuilder::makeNamedMaterial(const std::string& name, ParamSet params) {
-  world_->materials.defineNamed(name, std::move(params), world_->graphics.material,
-                                searchDirectory_);
+  world_->materials.defineNamed(name, std::move(params), world_->graphics.material);
 }
 
 void SceneBuilder::namedMaterial(const std::string& name, const SourceLocation& where) {

@@ -28,11 +28,9 @@ namespace brume {
 /// nest: their motion is exact where the instance only moves, turns and scales evenly.
 class SceneBuilder {
  public:
-  SceneBuilder(const ParseSettings& settings, Log& log);
+  /// Relative file names are resolved against searchDirectory.
+  SceneBuilder(const std::string& searchDirectory, const ParseSettings& settings, Log& log);
   ~SceneBuilder();
-
-  /// For relative names in the directives that follow.
-  void setSearchDirectory(const std::string& directory) { searchDirectory_ = directory; }
 
   bool isInWorld() const { return world_ != nullptr; }
   const SourceLocation& worldBeganAt() const { return worldBeganAt_; }
@@ -41,7 +39,6 @@ class SceneBuilder {
   // The options block.
   RenderOptions& options() { return options_; }
   void camera(PluginDirective directive);
-  void accelerator(PluginDirective directive);
   void transformTimes(double start, double end, const SourceLocation& where);
 
   void beginWorld(const SourceLocation& where);

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
-#include "core/parse/pbrt_names.h"
+#include "core/io/source_file.h"
+#include "core/parse/find_plugin.h"
 #include "core/parse/scene_builder.h"
 #include "core/parse/world_state.h"
 
@@ -55,7 +56,7 @@ void SceneBuilder::areaLightSource(PluginDirective directive) {
                      log_);
   entry.check(reader);
   reportUnusedParams(directive.params, directive.name, entry.origin, reader.declared(), log_);
-  world_->areaLights.push_back({&entry, std::move(directive), searchDirectory_});
+  world_->areaLights.push_back({&entry, std::move(directive)});
   world_->graphics.areaLight = &world_->areaLights.back();
 }
 
@@ -144,8 +145,7 @@ const AreaLight* SceneBuilder::makeAreaLight(const Shape& shape, const ShapePlac
   context.where = definition->plugin.params.where();
   context.log = &log_;
   ParamSet params = definition->plugin.params;
-  ParamReader reader({&params}, definition->plugin.name, definition->searchDirectory,
-                     &world_->textures, log_);
+  ParamReader reader({&params}, definition->plugin.name, searchDirectory_, &world_->textures, log_);
   std::unique_ptr<AreaLight> light = definition->entry->create(reader, context, nullptr);
   const AreaLight* result = light.get();
   if (world_->openObject) {

@@ -5,7 +5,6 @@
 
 #include <functional>
 #include <optional>
-#include <span>
 #include <string>
 #include <string_view>
 
@@ -54,10 +53,6 @@ struct ParseSettings {
 /// render one after another. Throws SceneError at the first error.
 void parseSceneFile(const std::string& path, const ParseSettings& settings, Log& log,
                     const std::function<void(SceneDescription)>& onFrame);
-/// Several files as one stream of directives: options of one file hold in the next, too (PBRT-v2).
-/// Relative names are resolved against the directory of the file in whose turn they appear.
-void parseSceneFiles(std::span<const std::string> paths, const ParseSettings& settings, Log& log,
-                     const std::function<void(SceneDescription)>& onFrame);
 /// The same from memory; `name` stands for the file in messages.
 void parseSceneText(std::string_view text, const std::string& name,
                     const std::string& searchDirectory, const ParseSettings& settings, Log& log,

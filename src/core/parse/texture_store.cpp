@@ -3,7 +3,8 @@
 
 #include <fmt/format.h>
 
-#include "core/parse/pbrt_names.h"
+#include "core/io/source_file.h"
+#include "core/parse/find_plugin.h"
 
 namespace brume {
 
@@ -22,12 +23,11 @@ class StandIn final : public Texture<T> {
 
 }  // namespace
 
-void TextureStore::define(Directive directive, const Transform& textureToScene,
-                          const std::string& searchDirectory) {
+void TextureStore::define(Directive directive, const Transform& textureToScene) {
   if (directive.type == "float") {
-    defineIn(floats_, std::move(directive), textureToScene, searchDirectory);
+    defineIn(floats_, std::move(directive), textureToScene);
   } else if (directive.type == "color" || directive.type == "spectrum") {
-    defineIn(rgbs_, std::move(directive), textureToScene, searchDirectory);
+    defineIn(rgbs_, std::move(directive), textureToScene);
   } else {
     const std::vector<std::string> types{"float", "color", "spectrum"};
     throw SceneError(directive.typeAt,
@@ -38,7 +38,7 @@ void TextureStore::define(Directive directive, const Transform& textureToScene,
 
 template <class T>
 void TextureStore::defineIn(NameSpace<T>& space, Directive directive,
-                            const Transform& textureToScene, const std::string& searchDirectory) {
+                            const Transform& textureToScene) {
   PluginDirective& plugin = directive.plugin;
   const auto& entry = findPlugin<Texture<T>>(plugin.name, plugin.params.where());
 
@@ -46,12 +46,11 @@ void TextureStore::defineIn(NameSpace<T>& space, Directive directive,
   TextureBindings bindings = bind(plugin.params);
   {
     const LookupScope scope(*this, nullptr, Answer::Existence);
-    ParamReader reader({&plugin.params}, plugin.name, searchDirectory, this, log_);
+    ParamReader reader({&plugin.params}, plugin.name, searchDirectory_, this, log_);
     entry.check(reader);
     reportUnusedParams(plugin.params, plugin.name, entry.origin, reader.declared(), log_);
   }
-  Definition<T> definition{&entry, std::move(plugin), textureToScene, searchDirectory,
-                           std::move(bindings)};
+  Definition<T> definition{&entry, std::move(plugin), textureToScene, std::move(bindings)};
   limitTree(definition);
   space.definitions.push_back(std::move(definition));
   space.names.set(directive.name, space.definitions.size() - 1);
@@ -119,7 +118,7 @@ const Texture<T>* TextureStore::make(NameSpace<T>& space, std::size_t index) {
   if (!definition.made) {
     const LookupScope scope(*this, &definition.bindings, Answer::Texture);
     ParamSet& params = definition.plugin.params;
-    ParamReader reader({&params}, definition.plugin.name, definition.searchDirectory, this, log_);
+    ParamReader reader({&params}, definition.plugin.name, searchDirectory_, this, log_);
     std::unique_ptr<Texture<T>> texture = definition.entry->create(
         reader, {definition.textureToScene, params.where(), &log_}, nullptr);
     definition.made = texture.get();

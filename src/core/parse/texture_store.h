@@ -31,7 +31,8 @@ struct TextureBindings {
 /// asks for it.
 class TextureStore final : public TextureLookup {
  public:
-  TextureStore(Log& log) : log_(log) {}
+  TextureStore(const std::string& searchDirectory, Log& log)
+      : searchDirectory_(searchDirectory), log_(log) {}
 
   struct Directive {
     std::string name;        ///< of the texture
@@ -39,8 +40,7 @@ class TextureStore final : public TextureLookup {
     SourceLocation typeAt;   ///< where the type stands
     PluginDirective plugin;  ///< the class and its parameters
   };
-  void define(Directive directive, const Transform& textureToScene,
-              const std::string& searchDirectory);
+  void define(Directive directive, const Transform& textureToScene);
   void beginBlock();
   void endBlock();
   TextureBindings bind(const ParamSet& set) const;
@@ -85,7 +85,6 @@ class TextureStore final : public TextureLookup {
     const typename Registry<Texture<T>>::Entry* entry;
     PluginDirective plugin;
     Transform textureToScene;
-    std::string searchDirectory;
     TextureBindings bindings;
     int depth = 1;        ///< of the tree of textures that it looks up
     int evaluations = 1;  ///< of textures for one look-up
@@ -98,8 +97,7 @@ class TextureStore final : public TextureLookup {
     std::vector<std::unique_ptr<Texture<T>>> made;
   };
   template <class T>
-  void defineIn(NameSpace<T>& space, Directive directive, const Transform& textureToScene,
-                const std::string& searchDirectory);
+  void defineIn(NameSpace<T>& space, Directive directive, const Transform& textureToScene);
   template <class T>
   void limitTree(Definition<T>& definition) const;
   template <class T>
@@ -107,6 +105,7 @@ class TextureStore final : public TextureLookup {
   template <class T>
   const Texture<T>* make(NameSpace<T>& space, std::size_t index);
 
+  std::string searchDirectory_;
   Log& log_;
   NameSpace<float> floats_;
   NameSpace<Rgb> rgbs_;

@@ -17,7 +17,6 @@ struct SceneBuilder::GraphicsState {
 struct SceneBuilder::AreaLightDefinition {
   const Registry<AreaLight>::Entry* entry;
   PluginDirective plugin;
-  std::string searchDirectory;
 };
 
 /// The shapes between ObjectBegin and ObjectEnd.
@@ -48,7 +47,8 @@ struct SceneBuilder::ShapePlace {
 };
 
 struct SceneBuilder::World {
-  explicit World(Log& log) : textures(log), materials(textures, log) {
+  World(const std::string& searchDirectory, Log& log)
+      : textures(searchDirectory, log), materials(textures, searchDirectory, log) {
     contents.groups.clear();  // the scene becomes the last one
   }
 
