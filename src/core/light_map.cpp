@@ -76,8 +76,9 @@ Rgb bilinear(const RgbImage& image, Vec2 st) {
 Vec2 latLongFromDirection(const Vec3& w) {
   const float phi = std::atan2(w.y, w.x), theta = std::atan2(std::hypot(w.x, w.y), w.z);
   const float s = phi * (0.5f * kInvPi);
-  return {s < 0 ? std::min(s + 1.f, kOneMinusEpsilon) : s,
-          std::min(theta * kInvPi, kOneMinusEpsilon)};
+  // Also for NaN: the result is an index into the map.
+  const auto unit = [](float v) { return v >= 0 ? std::min(v, kOneMinusEpsilon) : 0.f; };
+  return {unit(s < 0 ? s + 1.f : s), unit(theta * kInvPi)};
 }
 
 LatLongMap::LatLongMap(RgbImage image) : image_(std::move(image)) {

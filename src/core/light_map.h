@@ -17,8 +17,8 @@ RgbImage readLightMap(const Filename& file, Log& log);
 /// border pixels are extended.
 Rgb bilinear(const RgbImage& image, Vec2 st);
 
-/// A unit direction to lat-long coordinates with the pole +z: s = phi / 2 pi from +x towards +y,
-/// t = theta / pi.
+/// A direction of any length to lat-long coordinates in [0, 1)^2 with the pole +z: s = phi / 2 pi
+/// from +x towards +y, t = theta / pi.
 Vec2 latLongFromDirection(const Vec3& w);
 
 /// A map over all directions, bilinear, periodic in s and extended at the poles.

@@ -75,7 +75,7 @@ class InfiniteLight final : public Light {
     return distribution_.pdf(w) * stretch(lightToWorld_.vector(w));
   }
   Rgb Le(const Ray& ray) const override {
-    return map_ ? L_ * map_->at(normalize(worldToLight_.vector(ray.d))) : L_;
+    return map_ ? L_ * map_->at(worldToLight_.vector(ray.d)) : L_;
   }
   Rgb power() const override { return fluence_ * (kPi * sqr(sceneRadius_)); }
   float importance(const Bounds3&) const override { return lightWeight(fluence_); }

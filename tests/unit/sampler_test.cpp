@@ -317,7 +317,11 @@ TEST(Sampler, BestCandidateTilesTheImage) {
   for (int y = -7; y < 25; ++y)
     for (int x = 40; x < 72; ++x) {
       const int count = stream->startPixel({x, y});
-      for (int i = 0; i < count; ++i) positions.push_back(stream->startSample(i).raster);
+      for (int i = 0; i < count; ++i) {
+        positions.push_back(stream->startSample(i).raster);
+        EXPECT_EQ(Vec2i(std::floor(positions.back().x), std::floor(positions.back().y)),
+                  Vec2i(x, y));
+      }
     }
   EXPECT_EQ(positions.size(), 4096u);
   // Pixels and tiles meet without a seam: points keep their distance everywhere.

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "core/io/source_file.h"
 #include "core/parse/world_state.h"
 
 namespace brume {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include "core/io/source_file.h"
 #include "core/parse/find_plugin.h"
 #include "core/parse/scene_builder.h"
 #include "core/parse/world_state.h"

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "core/io/source_file.h"
 #include "core/parse/find_plugin.h"
 
 namespace brume {
