@@ -8,6 +8,8 @@ namespace {
 /// Shares of the two kinds of table that do not trust the estimate.
 constexpr double kEvenShare = 0.02;
 constexpr double kCollisionShare = 0.1;
+/// Optical depth up to which a density linear between the cuts follows the attenuation.
+constexpr double kThin = 16;
 
 }  // namespace
 
@@ -57,9 +59,15 @@ TransmittanceSampler::TransmittanceSampler(const MediumAlongRay& medium, Interva
     weights_[c] = double{medium.maxAlbedo()[c]} * -std::expm1(-inside_[c]);
     sum += weights_[c];
   }
-  strength_ = sum;
   if (sum > 0)
     for (double& w : weights_) w /= sum;
+}
+
+double TransmittanceSampler::strengthSeenFrom(const Rgb& Tr) const {
+  double sum = 0;
+  for (int c = 0; c < 3; ++c)
+    sum += double{medium_.maxAlbedo()[c]} * double{Tr[c]} * -std::expm1(-inside_[c]);
+  return sum;
 }
 
 std::optional<DistanceSample> TransmittanceSampler::sample(float u) const {
@@ -93,7 +101,7 @@ ScatteringDistanceSampler::ScatteringDistanceSampler(const MediumAlongRay& mediu
     : medium_(medium), range_(range), transmittance_(medium, range) {
   if (isEmpty()) return;
   if (lightPosition) equiangular_.emplace(medium.ray(), range, *lightPosition);
-  isLinear_ = estimate.isReliable();
+  isLinear_ = estimate.isReliable() && transmittance_.depth() <= kThin;
   cutAtQuantiles();
   if (isLinear_)
     tabulateDensity(estimate);
@@ -110,6 +118,9 @@ void ScatteringDistanceSampler::cutAtQuantiles() {
     x_[n++] = double{u} * end;
     if (const auto s = transmittance_.sample(u)) x_[n++] = std::clamp(toX(double{s->t}), 0.0, end);
   }
+  // The tail of the attenuation, where one piece would be too long for a linear density.
+  for (const float u : {31.f / 32, 511.f / 512})
+    if (const auto s = transmittance_.sample(u)) x_[n++] = std::clamp(toX(double{s->t}), 0.0, end);
   x_[n++] = end;
   std::sort(x_.begin(), x_.begin() + n);
   // Cuts that a float cannot tell apart are one.
@@ -150,13 +161,11 @@ void ScatteringDistanceSampler::tabulateCollisions(const ScatteringEstimate& est
   for (int i = 0; i < pieces_; ++i) {
     const Interval part{t_[i], t_[i + 1]};
     const Rgb Tr = medium_.transmittance(part.t0);
-    const Vec3d inside = medium_.depthAt(part.t1) - medium_.depthAt(part.t0);
-    for (int c = 0; c < 3; ++c)
-      collisions[i] += double{medium_.maxAlbedo()[c]} * double{Tr[c]} * -std::expm1(-inside[c]);
-    if (!(collisions[i] > 0)) continue;
-    const double middle = fromX(0.5 * (x_[i] + x_[i + 1]));
-    value[i] = collisions[i] *
-               double{estimate.at(std::clamp(static_cast<float>(middle), part.t0, part.t1))};
+    const TransmittanceSampler inside(medium_, part);
+    collisions[i] = inside.strengthSeenFrom(Tr);
+    const auto median = inside.isEmpty() ? std::nullopt : inside.sample(0.5f);
+    if (!median || !(collisions[i] > 0)) continue;
+    value[i] = collisions[i] * double{estimate.at(median->t)};
     sumCollisions += collisions[i];
     sum += value[i];
   }

@@ -48,8 +48,10 @@ class TransmittanceSampler {
  public:
   /// The medium outlives the sampler; range lies in its range.
   TransmittanceSampler(const MediumAlongRay& medium, Interval range);
-  /// sum_c max albedo_c (1 - Tr_c(range)).
-  double strength() const { return strength_; }
+  /// sum_c Tr_c max albedo_c (1 - Tr_c(range)), Tr up to the range.
+  double strengthSeenFrom(const Rgb& Tr) const;
+  /// Optical depth of the range in the densest channel.
+  double depth() const { return std::max({inside_.x, inside_.y, inside_.z}); }
   /// Nothing scatters in the range: sample() must not be called.
   bool isEmpty() const { return !(weights_[0] + weights_[1] + weights_[2] > 0); }
   std::optional<DistanceSample> sample(float u) const;
@@ -63,7 +65,6 @@ class TransmittanceSampler {
   Vec3d before_;       // optical depth up to the range
   Vec3d inside_;       // optical depth of the range
   double weights_[3];  // of the channels; sum 1, or all 0
-  double strength_ = 0;
 };
 
 /// Estimated in-scattering of one light along a ray: what the distances are drawn by. Need not be
@@ -79,10 +80,11 @@ class ScatteringEstimate {
 
 /// Distances for the light of one source. The range is cut at quantiles of equiangular and of
 /// transmittance sampling. Two tables over these cuts:
-/// - where the estimate is reliable (closed-form media), the density is linear in angle between the
+/// - where the estimate is reliable and the medium thin (closed form, depth up to 16), the density
+/// is linear in angle between the
 ///   cuts (in length for lights without position), through values proportional to
 ///   sigma_s Tr(0,t) estimate(t) dt/dangle, with 0.02 spread evenly;
-/// - elsewhere (grids) a piece is drawn by its exact collisions times the estimate in its middle,
+/// - elsewhere a piece is drawn by its exact collisions times the estimate at their median,
 ///     P_i ~ sum_c max albedo_c (Tr_c(t_i) - Tr_c(t_i+1)) estimate,  with 0.1 by the collisions
 ///     alone,
 ///   and the distance in it by transmittance sampling, so that no detail of the density is missed;
@@ -106,8 +108,8 @@ class ScatteringDistanceSampler {
   float pdf(float t) const;
 
  private:
-  static constexpr int kQuantiles = 6;
-  static constexpr int kMaxPieces = 2 * kQuantiles;
+  static constexpr int kQuantiles = 8;
+  static constexpr int kMaxPieces = 2 * kQuantiles + 1;
 
   // The table is linear in a variable x(t): angle or length.
   double toX(double t) const {

@@ -33,7 +33,7 @@ class Single final : public VolumeIntegrator {
  public:
   struct Params {
     std::optional<float> stepsize;
-    int samples = 4;
+    int samples = 16;
     Method method = Method::Mis;
     void visit(ParamVisitor& v) {
       v(stepsize, "stepsize", kPositive, Unit::Length,
@@ -138,7 +138,7 @@ class Single final : public VolumeIntegrator {
                                                 LightEstimate(*volume_, ray, *chosen.light));
       const std::size_t first = i;
       for (; i < end && !distances.isEmpty(); ++i) {
-        const auto at = distances.sample(folded(i - first, end - first, distanceOffset));
+        const auto at = distances.sample(spaced(i - first, end - first, distanceOffset));
         if (!at || at->medium.sigma_s.isBlack()) continue;
         context.stats.add(Stat::VolumeSamples);
 
@@ -161,11 +161,6 @@ class Single final : public VolumeIntegrator {
   /// Number i of n evenly spaced ones with one offset.
   static float spaced(std::size_t i, std::size_t n, float offset) {
     return std::min((static_cast<float>(i) + offset) / static_cast<float>(n), kOneMinusEpsilon);
-  }
-  /// The same folded at 1/2, so that what is integrated becomes periodic: the error of a smooth
-  /// quotient falls with 1/n^2 and not 1/n (Hickernell 2002, baker's transformation).
-  static float folded(std::size_t i, std::size_t n, float offset) {
-    return std::min(1.f - std::abs(2.f * spaced(i, n, offset) - 1.f), kOneMinusEpsilon);
   }
 
   Rgb march(const MediumAlongRay& medium, RenderContext& context) const {
