@@ -317,7 +317,11 @@ TEST(Sampler, BestCandidateTilesTheImage) {
   for (int y = -7; y < 25; ++y)
     for (int x = 40; x < 72; ++x) {
       const int count = stream->startPixel({x, y});
-      for (int i = 0; i < count; ++i) positions.push_back(stream->startSample(i).raster);
+      for (int i = 0; i < count; ++i) {
+        positions.push_back(stream->startSample(i).raster);
+        EXPECT_EQ(Vec2i(std::floor(positions.back().x), std::floor(positions.back().y)),
+                  Vec2i(x, y));
+      }
     }
   EXPECT_EQ(positions.size(), 4096u);
   // Pixels and tiles meet without a seam: points keep their distance everywhere.
@@ -393,7 +397,8 @@ TEST(Sampler, EndsOfTheRanges) {
     EXPECT_THROW(makeSampler(name, {integers("pixelsamples", {-4})}), SceneError) << name;
     EXPECT_THROW(makeSampler(name, {integers("pixelsamples", {(1 << 24) + 1})}), SceneError);
     const int most = std::string(name) == "bestcandidate" ? 1 << 16 : 1 << 24;
-    const auto stream = makeSampler(name, {integers("pixelsamples", {most})})->makePixelSampler(1);
+    const auto sampler = makeSampler(name, {integers("pixelsamples", {most})});
+    const auto stream = sampler->makePixelSampler(1);
     EXPECT_NEAR(stream->startPixel({1, 1}), most, 0.01 * most) << name;
     stream->startSample(most - 1);
     EXPECT_EQ(makeSampler(name, {integers("pixelsamples", {1})})->samplesPerPixel(), 1);
