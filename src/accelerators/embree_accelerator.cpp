@@ -75,6 +75,13 @@ void setRay(const Ray& ray, float time, RTCRay& out) {
   out.flags = 0;
 }
 
+/// Whether Embree takes the ray: Debian's build stops the program at a NaN or at huge coordinates.
+bool isUsable(const Ray& ray) {
+  const Vec3 o = abs(ray.o), d = abs(ray.d);
+  return ray.tMax > 0.f && o.x + o.y + o.z <= kLargestCoordinate &&
+         d.x + d.y + d.z <= kLargestCoordinate;
+}
+
 Ray rayOf(const RTCRay& r, float time) {
   return {{r.org_x, r.org_y, r.org_z}, {r.dir_x, r.dir_y, r.dir_z}, r.tfar, time};
 }
@@ -130,9 +137,10 @@ void movingIntersect(const RTCIntersectFunctionNArguments* args) {
   if (!args->valid[0]) return;
   const auto& moving = static_cast<const MovingInstance*>(args->geometryUserPtr)[args->primID];
   auto& rayHit = *reinterpret_cast<RTCRayHit*>(args->rayhit);
-  const Ray ray = rayOf(rayHit.ray, timeOf(args->context));
+  const Ray ray = rayIntoGroup(rayOf(rayHit.ray, timeOf(args->context)), *moving.groupToParent);
+  if (!isUsable(ray)) return;
   RTCRayHit inside;
-  setRay(rayIntoGroup(ray, *moving.groupToParent), 0, inside.ray);
+  setRay(ray, 0, inside.ray);
   inside.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   args->context->instID[0] = moving.id;
   rtcIntersect1(moving.scene, args->context, &inside);
@@ -147,8 +155,10 @@ void movingOccluded(const RTCOccludedFunctionNArguments* args) {
   if (!args->valid[0]) return;
   const auto& moving = static_cast<const MovingInstance*>(args->geometryUserPtr)[args->primID];
   auto& ray = *reinterpret_cast<RTCRay*>(args->ray);
+  const Ray local = rayIntoGroup(rayOf(ray, timeOf(args->context)), *moving.groupToParent);
+  if (!isUsable(local)) return;
   RTCRay inside;
-  setRay(rayIntoGroup(rayOf(ray, timeOf(args->context)), *moving.groupToParent), 0, inside);
+  setRay(local, 0, inside);
   args->context->instID[0] = moving.id;
   rtcOccluded1(moving.scene, args->context, &inside);
   args->context->instID[0] = RTC_INVALID_GEOMETRY_ID;
@@ -386,7 +396,7 @@ void EmbreeAccelerator::throwIfFailed() const {
 }
 
 std::optional<SceneHit> EmbreeAccelerator::intersect(const Ray& ray) const {
-  if (!(ray.tMax > 0.f)) return std::nullopt;
+  if (!isUsable(ray)) return std::nullopt;
   QueryContext context;
   rtcInitIntersectContext(&context);
   context.time = ray.time;
@@ -417,7 +427,7 @@ std::optional<SceneHit> EmbreeAccelerator::intersect(const Ray& ray) const {
 }
 
 bool EmbreeAccelerator::occluded(const Ray& ray) const {
-  if (!(ray.tMax > 0.f)) return false;
+  if (!isUsable(ray)) return false;
   QueryContext context;
   rtcInitIntersectContext(&context);
   context.time = ray.time;

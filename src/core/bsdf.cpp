@@ -83,18 +83,18 @@ float Bsdf::pdf(const Vec3& wo, const Vec3& wi, LobeFlags accepted) const {
 BsdfValue Bsdf::evaluate(const Vec3& wo, const Vec3& wi, LobeFlags accepted) const {
   const LobeFlags side = geometricSide(wo, wi, ng_);
   const Vec3 o = frame_.toLocal(wo), i = frame_.toLocal(wi);
-  BsdfValue sum;
+  Rgb f;  // apart from pdf: a struct of both sums stays in memory and stalls on its own stores
+  float pdf = 0;
   int matching = 0;
   for (int k = 0; k < count_; ++k) {
     const Lobe& l = lobe(k);
     if (!l.matches(accepted)) continue;
     ++matching;
     const BsdfValue value = l.evaluate(o, i);
-    sum.pdf += value.pdf;
-    if (l.flags() & side) sum.f += scale_[k] * value.f;
+    pdf += value.pdf;
+    if (l.flags() & side) f += scale_[k] * value.f;
   }
-  if (matching > 0) sum.pdf /= static_cast<float>(matching);
-  return sum;
+  return {f, matching > 0 ? pdf / static_cast<float>(matching) : 0.f};
 }
 
 std::optional<BsdfSample> Bsdf::sample(const Vec3& wo, float uLobe, Vec2 u,
@@ -108,35 +108,32 @@ std::optional<BsdfSample> Bsdf::sample(const Vec3& wo, float uLobe, Vec2 u,
   const int chosen = matching[std::min(static_cast<int>(uLobe * static_cast<float>(n)), n - 1)];
 
   const Vec3 o = frame_.toLocal(wo);
-  std::optional<BsdfSample> s = lobe(chosen).sample(o, u);
+  const std::optional<BsdfSample> s = lobe(chosen).sample(o, u);
   if (!s) return std::nullopt;
-  const Vec3 i = s->wi;
-  s->wi = normalize(frame_.fromLocal(i));
-  s->f *= scale_[chosen];
+  const Vec3 wi = normalize(frame_.fromLocal(s->wi));
+  Rgb f = s->f * scale_[chosen];
+  float pdf = s->pdf;
   if (s->isSpecular()) {
     // A specular f is divided by the cosine: by the one that the caller multiplies with, or
     // rounding would make fireflies at grazing angles.
-    const float cosine = absDot(s->wi, frame_.z);
-    if (!(cosine > 0.f) || s->f.isBlack()) return std::nullopt;
-    s->f *= absCosTheta(i) / cosine;
-    s->pdf /= static_cast<float>(n);
-    return s;
+    const float cosine = absDot(wi, frame_.z);
+    if (!(cosine > 0.f)) return std::nullopt;
+    f *= absCosTheta(s->wi) / cosine;
+  } else {
+    // Everything that the other lobes would do with the same direction.
+    const LobeFlags side = geometricSide(wo, wi, ng_);
+    if (!(s->flags & side)) f = Rgb();
+    for (int j = 0; j < n; ++j) {
+      const int k = matching[j];
+      if (k == chosen) continue;
+      const Lobe& l = lobe(k);
+      const BsdfValue value = l.evaluate(o, s->wi);
+      pdf += value.pdf;
+      if (l.flags() & side) f += scale_[k] * value.f;
+    }
   }
-
-  // Everything that the other lobes would do with the same direction.
-  const LobeFlags side = geometricSide(wo, s->wi, ng_);
-  if (!(lobe(chosen).flags() & side)) s->f = Rgb();
-  for (int j = 0; j < n; ++j) {
-    const int k = matching[j];
-    if (k == chosen) continue;
-    const Lobe& l = lobe(k);
-    const BsdfValue value = l.evaluate(o, i);
-    s->pdf += value.pdf;
-    if (l.flags() & side) s->f += scale_[k] * value.f;
-  }
-  if (s->f.isBlack()) return std::nullopt;
-  s->pdf /= static_cast<float>(n);
-  return s;
+  if (f.isBlack()) return std::nullopt;
+  return BsdfSample{f, wi, pdf / static_cast<float>(n), s->flags, s->eta};
 }
 
 Rgb Bsdf::reflectance(const Vec3& wo, LobeFlags accepted, int sqrtSamples) const {

@@ -76,19 +76,15 @@ Rgb bilinear(const RgbImage& image, Vec2 st) {
 Vec2 latLongFromDirection(const Vec3& w) {
   const float phi = std::atan2(w.y, w.x), theta = std::atan2(std::hypot(w.x, w.y), w.z);
   const float s = phi * (0.5f * kInvPi);
-  return {s < 0 ? std::min(s + 1.f, kOneMinusEpsilon) : s,
-          std::min(theta * kInvPi, kOneMinusEpsilon)};
-}
-
-Vec3 directionFromLatLong(Vec2 st) {
-  const float theta = st.y * kPi, phi = st.x * 2 * kPi, sinTheta = std::sin(theta);
-  return {sinTheta * std::cos(phi), sinTheta * std::sin(phi), std::cos(theta)};
+  // Also for NaN: the result is an index into the map.
+  const auto unit = [](float v) { return v >= 0 ? std::min(v, kOneMinusEpsilon) : 0.f; };
+  return {unit(s < 0 ? s + 1.f : s), unit(theta * kInvPi)};
 }
 
 LatLongMap::LatLongMap(RgbImage image) : image_(std::move(image)) {
   double sum[3] = {0, 0, 0};
   for (int y = 0; y < image_.height; ++y) {
-    const double solidAngle = rowShare(y) * 2 * M_PI / image_.width;
+    const double solidAngle = rowShare(y, image_.height) * 2 * M_PI / image_.width;
     for (int x = 0; x < image_.width; ++x) {
       const Rgb mean = meanOver(x, y);
       for (int c = 0; c < 3; ++c) sum[c] += static_cast<double>(mean[c]) * solidAngle;
@@ -118,18 +114,49 @@ Rgb LatLongMap::meanOver(int x, int y) const {
   return (row(std::max(0, y - 1)) + row(std::min(h - 1, y + 1))) * 0.125f + row(y) * 0.75f;
 }
 
-double LatLongMap::rowShare(int y) const {
-  const double step = M_PI / image_.height;
+double LatLongMap::rowShare(int y, int height) {
+  const double step = M_PI / height;
   return 2 * std::sin((y + 0.5) * step) * std::sin(0.5 * step);
 }
 
-Distribution2D LatLongMap::makeDistribution(const Rgb& tint) const {
-  std::vector<float> weights(image_.pixels.size());
+LatLongDistribution::LatLongDistribution(const LatLongMap& map, const Rgb& tint)
+    : height_(map.image().height) {
+  const int width = map.image().width;
+  std::vector<float> weights(map.image().pixels.size());
   std::size_t i = 0;
-  for (int y = 0; y < image_.height; ++y)
-    for (int x = 0; x < image_.width; ++x)
-      weights[i++] = lightWeight(meanOver(x, y) * tint) * static_cast<float>(rowShare(y));
-  return {weights, static_cast<std::size_t>(image_.width), static_cast<std::size_t>(image_.height)};
+  for (int y = 0; y < height_; ++y) {
+    const float share = static_cast<float>(LatLongMap::rowShare(y, height_));
+    for (int x = 0; x < width; ++x) weights[i++] = lightWeight(map.meanOver(x, y) * tint) * share;
+  }
+  pixels_ = {weights, static_cast<std::size_t>(width), static_cast<std::size_t>(height_)};
+}
+
+float LatLongDistribution::perSolidAngle(float pdf, int row) const {
+  // A pixel has 1 / (width height) of the square and 2 pi share / width of the sphere.
+  return pdf / static_cast<float>(2 * M_PI * height_ * LatLongMap::rowShare(row, height_));
+}
+
+LatLongDistribution::Sample LatLongDistribution::sample(Vec2 u) const {
+  const Distribution2D::Sample onSquare = pixels_.sample(u);
+  // Inside its row the point moves so that cos theta is uniform, not theta.
+  const double y = static_cast<double>(onSquare.p.y) * height_;
+  const int row = std::min(static_cast<int>(y), height_ - 1);
+  const double upper = row * M_PI / height_, share = LatLongMap::rowShare(row, height_);
+  // 1 - cos theta, exact near both poles.
+  const double omc = 2 * sqr(std::sin(0.5 * upper)) + (y - row) * share;
+  const double theta = 2 * std::asin(std::sqrt(std::min(1.0, 0.5 * omc)));
+  const double phi = 2 * M_PI * static_cast<double>(onSquare.p.x), sinTheta = std::sin(theta);
+  Sample sample;
+  sample.st = {onSquare.p.x, static_cast<float>(theta / M_PI)};
+  sample.w = Vec3(Vec3d(sinTheta * std::cos(phi), sinTheta * std::sin(phi), std::cos(theta)));
+  sample.pdf = perSolidAngle(onSquare.pdf, row);
+  return sample;
+}
+
+float LatLongDistribution::pdf(const Vec3& w) const {
+  const Vec2 st = latLongFromDirection(w);
+  const int row = std::min(static_cast<int>(st.y * static_cast<float>(height_)), height_ - 1);
+  return perSolidAngle(pixels_.pdf(st), row);
 }
 
 }  // namespace brume

@@ -17,10 +17,9 @@ RgbImage readLightMap(const Filename& file, Log& log);
 /// border pixels are extended.
 Rgb bilinear(const RgbImage& image, Vec2 st);
 
-/// A unit direction to lat-long coordinates with the pole +z: s = phi / 2 pi from +x towards +y,
-/// t = theta / pi.
+/// A direction of any length to lat-long coordinates in [0, 1)^2 with the pole +z: s = phi / 2 pi
+/// from +x towards +y, t = theta / pi.
 Vec2 latLongFromDirection(const Vec3& w);
-Vec3 directionFromLatLong(Vec2 st);
 
 /// A map over all directions, bilinear, periodic in s and extended at the poles.
 class LatLongMap {
@@ -33,19 +32,40 @@ class LatLongMap {
   Rgb integral() const { return integral_; }
   /// Largest weight (lightWeight) of any pixel.
   float maxWeight() const { return maxWeight_; }
-  /// The mean of the interpolated map over each pixel's square times the pixel's share of solid
-  /// angle: positive wherever the map is, so sampling by it misses no light. `tint` multiplies the
-  /// map.
-  Distribution2D makeDistribution(const Rgb& tint) const;
-
- private:
+  const RgbImage& image() const { return image_; }
+  /// Mean of the interpolated map over the square of a pixel.
   Rgb meanOver(int x, int y) const;
   /// Solid angle of the pixels of row y, over 2 pi: cos theta_y - cos theta_{y+1}.
-  double rowShare(int y) const;
+  static double rowShare(int y, int height);
 
+ private:
   RgbImage image_;
   Rgb integral_;
   float maxWeight_ = 0;
+};
+
+/// Samples directions in proportion to a map: a pixel by the weight of the map's mean over it times
+/// its solid angle, then uniformly in solid angle inside the pixel. The density is positive
+/// wherever the interpolated map is, so no light is missed, and has no pole.
+class LatLongDistribution {
+ public:
+  LatLongDistribution() = default;
+  /// `tint` multiplies the map.
+  LatLongDistribution(const LatLongMap& map, const Rgb& tint);
+
+  struct Sample {
+    Vec2 st{0};
+    Vec3 w{0, 0, 1};  ///< unit
+    float pdf = 0;    ///< per solid angle
+  };
+  Sample sample(Vec2 u) const;
+  float pdf(const Vec3& w) const;
+
+ private:
+  float perSolidAngle(float pdf, int row) const;
+
+  Distribution2D pixels_;
+  int height_ = 1;
 };
 
 }  // namespace brume

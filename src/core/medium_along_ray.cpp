@@ -134,15 +134,16 @@ Vec3d MediumAlongRay::depthAt(double t) const {
 }
 
 MediumCoefficients MediumAlongRay::at(float t) const {
-  auto it = std::upper_bound(spans_.begin(), spans_.end(), double{t},
+  // A t that was rounded to float just out of a span still belongs to it.
+  const double slack = std::abs(double{t}) * 4 * double{kMachineEpsilon};
+  auto it = std::upper_bound(spans_.begin(), spans_.end(), double{t} + slack,
                              [](double value, const Span& s) { return value < s.t0; });
   MediumCoefficients sum;
   if (it == spans_.begin()) return sum;
   --it;
-  // A t that was rounded to float just past its span still belongs to it.
-  const double slack = std::abs(it->t1) * 2 * double{kMachineEpsilon};
-  if (t > it->t1 + slack) return sum;
-  const double inside = std::min<double>(t, it->t1);
+  if (it != spans_.begin() && double{t} <= (it - 1)->t1) --it;
+  if (double{t} > it->t1 + slack) return sum;
+  const double inside = std::clamp(double{t}, it->t0, it->t1);
   for (std::uint32_t i = 0; i < it->count; ++i) {
     const MediumPiece& p = piece(*it, i);
     sum += *p.unit * static_cast<float>(p.density(inside));

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/quadric.h"
 
-#include <glm/matrix.hpp>
 
 namespace brume {
 

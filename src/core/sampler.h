@@ -55,8 +55,7 @@ class Sampler {
   struct FactoryContext {
     Bounds2i pixels;     ///< all pixels that get samples (the crop window grown by the filter)
     bool quick = false;  ///< --quick
-    std::optional<int>
-        samplesPerPixel;  ///< --spp, in kPixelSamplesRange: wins over the scene and --quick
+    std::optional<int> samplesPerPixel;  ///< --spp: wins over the scene and --quick (see countFor)
     SourceLocation where;
     Log* log = nullptr;
   };
@@ -69,6 +68,11 @@ class Sampler {
   /// Whether refine() may ask for more, so that a pixel must be finished in one go.
   virtual bool isAdaptive() const { return false; }
   virtual std::unique_ptr<PixelSampler> makePixelSampler(std::uint64_t seed) const = 0;
+
+ protected:
+  /// Samples per pixel: --spp, else `quick` with --quick, else what the scene says. Throws
+  /// SceneError when --spp is out of range.
+  static int countFor(const FactoryContext& context, int fromScene, int quick);
 };
 
 }  // namespace brume

@@ -30,7 +30,8 @@ SurfaceDerivatives transformed(const SurfaceDerivatives& d, const Transform& t,
 /// the surface. The error of p grows by what the next ray's origin may suffer on its way back into
 /// the instance: Embree inverts and applies the matrix in float.
 void transformInteraction(const Transform& t, SurfaceInteraction& si) {
-  si.p = t.point(si.p, si.pError, &si.pError);
+  const Vec3 pError = si.pError;
+  si.p = t.point(si.p, pError, &si.pError);
   const Vec3 a = abs(si.p);
   const Mat4d &m = t.matrix(), &inverse = t.inverseMatrix();
   const double reach =

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/transform.h"
 
-#include <glm/matrix.hpp>
 
 #include "core/error.h"
 

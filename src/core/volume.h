@@ -87,6 +87,8 @@ class Volume {
   /// order and do not overlap; a sum of volumes appends those of one after those of the other.
   virtual void appendPieces(const Ray& ray, Interval range,
                             std::vector<MediumPiece>& pieces) const = 0;
+  /// opticalDepth() takes a few operations wherever the ray goes.
+  virtual bool isClosedForm() const = 0;
   virtual bool isEmissive() const = 0;
   virtual bool isScattering() const = 0;
 

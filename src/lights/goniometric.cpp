@@ -44,7 +44,7 @@ class GoniometricLight final : public Light {
     if (!sample) return sample;
     sample->L *= intensity_;
     if (map_) {
-      const Vec3 w = normalize(worldToLight_.vector(-sample->wi));
+      const Vec3 w = worldToLight_.vector(-sample->wi);
       sample->L *= map_->at(Vec3(w.x, w.z, w.y));
     }
     if (sample->L.isBlack()) return std::nullopt;

@@ -10,7 +10,8 @@ namespace {
 ///   s = phi / 2 pi (from +x towards +y), t = theta / pi, the first row around +z; bilinear
 /// A map is sampled in proportion to the mean luminance of its interpolant over each pixel times
 /// solid angle (exactly the density that pdfLi returns: no bias); a constant uniformly. Power
-/// pi R^2 integral(L dw) through the ball of radius R around the scene. Test: light_test.
+/// pi R^2 integral(L dw) through the ball of radius R around the scene. "exinfinite" is a
+/// second name. Test: light_test.
 class InfiniteLight final : public Light {
  public:
   struct Params {
@@ -34,7 +35,7 @@ class InfiniteLight final : public Light {
         worldToLight_(context.lightToWorld.inverse()) {
     if (params.mapname.isGiven()) {
       map_.emplace(readLightMap(params.mapname, *context.log));
-      distribution_ = map_->makeDistribution(L_);
+      distribution_ = LatLongDistribution(*map_, L_);
     }
     fluence_ = map_ ? L_ * map_->integral() : L_ * (4 * kPi);
     if (lightToWorld_.hasScale()) {
@@ -60,33 +61,26 @@ class InfiniteLight final : public Light {
       sample.L = L_;
       return sample;
     }
-    const Distribution2D::Sample st = distribution_.sample(u);
-    const Vec3 w = directionFromLatLong(st.p), wi = lightToWorld_.vector(w);
+    const LatLongDistribution::Sample direction = distribution_.sample(u);
+    const Vec3 wi = lightToWorld_.vector(direction.w);
     sample.wi = normalize(wi);
-    sample.pdf = solidAnglePdf(st.pdf, st.p.y) * stretch(wi);
-    sample.L = L_ * map_->at(st.p);
+    sample.pdf = direction.pdf * stretch(wi);
+    sample.L = L_ * map_->at(direction.st);
     if (!(sample.pdf > 0) || !std::isfinite(sample.pdf) || sample.L.isBlack()) return std::nullopt;
     return sample;
   }
   float pdfLi(const Vec3&, const Vec3& wi) const override {
     if (!map_) return kInv4Pi;
     const Vec3 w = normalize(worldToLight_.vector(wi));
-    const Vec2 st = latLongFromDirection(w);
-    return solidAnglePdf(distribution_.pdf(st), st.y) * stretch(lightToWorld_.vector(w));
+    return distribution_.pdf(w) * stretch(lightToWorld_.vector(w));
   }
   Rgb Le(const Ray& ray) const override {
-    return map_ ? L_ * map_->at(normalize(worldToLight_.vector(ray.d))) : L_;
+    return map_ ? L_ * map_->at(worldToLight_.vector(ray.d)) : L_;
   }
   Rgb power() const override { return fluence_ * (kPi * sqr(sceneRadius_)); }
   float importance(const Bounds3&) const override { return lightWeight(fluence_); }
 
  private:
-  /// Density on the unit square to density per solid angle of light space: ds dt = dw / (2 pi^2 sin
-  /// theta).
-  static float solidAnglePdf(float pdf, float t) {
-    const float sinTheta = std::sin(t * kPi);
-    return sinTheta > 0 ? pdf / (2 * kPi * kPi * sinTheta) : 0;
-  }
   /// Density factor of a transform with scale for the image w of a unit vector: |w|^3 / det.
   float stretch(const Vec3& w) const {
     return volume_ == 0 ? 1 : lengthSquared(w) * length(w) / volume_;
@@ -96,7 +90,7 @@ class InfiniteLight final : public Light {
   int sampleCount_;
   Transform lightToWorld_, worldToLight_;
   std::optional<LatLongMap> map_;
-  Distribution2D distribution_;
+  LatLongDistribution distribution_;
   Rgb fluence_;       // integral of the radiance over all directions
   float volume_ = 0;  // of the transformed unit cube; 0: no scale
   float sceneRadius_ = 0;

@@ -78,6 +78,7 @@ class SpotLight final : public Light {
     return lightWeight(intensity_) * boundedInverseSquare(position_, region) * f;
   }
   std::optional<Vec3> position() const override { return position_; }
+  Interval illuminated(const Ray& ray, Interval range) const override;
 
  private:
   float falloff(float omc) const {
@@ -92,6 +93,46 @@ class SpotLight final : public Light {
   Vec3 position_, axis_;
   bool hasScale_ = false;
 };
+
+/// The part of the ray inside the cone: with p(t) from the apex, m = dot(p, axis) and c = cos
+/// theta_t, the ends are roots of m^2 - c^2 |p|^2 with m > 0. A cone of less than a half space is
+/// convex, so that the part is one interval.
+Interval SpotLight::illuminated(const Ray& ray, Interval range) const {
+  const double c = 1 - double{edge_};
+  if (hasScale_ || c < 1e-3) return range;
+  const Vec3d o = Vec3d(ray.o) - Vec3d(position_), d(ray.d), axis(axis_);
+  const double mo = dot(o, axis), md = dot(d, axis);
+  const double qa = md * md - c * c * dot(d, d), qb = mo * md - c * c * dot(o, d),
+               qc = mo * mo - c * c * dot(o, o);
+  const auto isInside = [&](double t) {
+    const double m = mo + t * md;
+    return m > 0 && qa * t * t + 2 * qb * t + qc > 0;
+  };
+
+  // The ends of the range and the roots inside it, in order, cut it into parts that are in or out.
+  double cut[4] = {range.t0, range.t1, range.t1, range.t1};
+  int n = 1;
+  const auto add = [&](double t) {
+    if (t > cut[0] && t < double{range.t1}) cut[n++] = t;
+  };
+  const double discriminant = qb * qb - qa * qc;
+  if (discriminant >= 0) {
+    const double q = -(qb + std::copysign(std::sqrt(discriminant), qb));
+    if (qa != 0) add(q / qa);
+    if (q != 0) add(qc / q);
+  }
+  if (n == 3 && cut[1] > cut[2]) std::swap(cut[1], cut[2]);
+  cut[n] = double{range.t1};
+  Interval lit{range.t1, range.t0};
+  for (int i = 0; i < n; ++i) {
+    if (!(cut[i] < cut[i + 1]) || !isInside(0.5 * (cut[i] + cut[i + 1]))) continue;
+    // A little wider, so that rounding leaves nothing out.
+    const double slack = 1e-6 * std::max(std::abs(cut[i]), std::abs(cut[i + 1]));
+    lit.t0 = std::min(lit.t0, std::max(range.t0, static_cast<float>(cut[i] - slack)));
+    lit.t1 = std::max(lit.t1, std::min(range.t1, static_cast<float>(cut[i + 1] + slack)));
+  }
+  return lit;
+}
 
 const RegisterPlugin<Light, SpotLight> kRegistration{"spot", Origin::PbrtV2,
                                                      "point light in a cone with a soft border"};

@@ -10,7 +10,7 @@ namespace {
 /// The direction with azimuth along the unit vector (x, y) and cos = (1 - u)^(1/(e+1)), the sine
 /// without cancellation near the pole.
 Vec3 fromPower(float x, float y, float u, float exponent) {
-  const float logCos = std::log1p(-u) / (exponent + 1.f);
+  const float logCos = logOneMinus(u) / (exponent + 1.f);
   const float sin2 = -std::expm1(2.f * logCos);
   const float sine = std::sqrt(sin2);
   return {sine * x, sine * y, std::sqrt(1.f - sin2)};

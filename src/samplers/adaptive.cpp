@@ -83,9 +83,8 @@ class AdaptiveSampler final : public Sampler {
     };
     if (params.method == Method::ShapeId)
       warn("\"shapeid\" is not available: the contrast of the samples decides instead");
-    int lo = params.minsamples, hi = params.maxsamples;
-    if (context.quick) lo = 2, hi = 4;
-    if (context.samplesPerPixel) hi = *context.samplesPerPixel, lo = std::min(lo, hi);
+    int lo = context.quick ? 2 : params.minsamples, hi = countFor(context, params.maxsamples, 4);
+    if (context.samplesPerPixel) lo = std::min(lo, hi);
     if (lo > hi) {
       warn(fmt::format("minsamples {} and maxsamples {} are exchanged", lo, hi));
       std::swap(lo, hi);

@@ -26,6 +26,10 @@ class PixelStream final : public ScrambledSequence {
     const Vec2i first = tileOf(pixel), last = tileOf(pixel + Vec2i(1));
     for (int ty = first.y; ty <= last.y; ++ty)
       for (int tx = first.x; tx <= last.x; ++tx) gatherFromTile({tx, ty});
+    // In random order, so that the first few of them cover the pixel too.
+    Rng order(hashIntegers(pixelKey(), 0x6f72646572));
+    for (std::size_t i = points_.size(); i > 1; --i)
+      std::swap(points_[i - 1], points_[order.below(static_cast<std::uint32_t>(i))]);
     // A pixel without a point would stay black: it gets one.
     if (points_.empty()) {
       Rng rng(mixBits(pixelKey()));
@@ -112,7 +116,7 @@ class BestCandidateSampler final : public Sampler {
   };
 
   BestCandidateSampler(const Params& params, const FactoryContext& context)
-      : count_(context.samplesPerPixel.value_or(context.quick ? 1 : params.pixelsamples)) {
+      : count_(countFor(context, params.pixelsamples, 1)) {
     if (!kRange.contains(count_))
       throw SceneError(context.where,
                        fmt::format("\"bestcandidate\" keeps the points of a pixel in "

@@ -54,7 +54,7 @@ class HaltonSampler final : public Sampler {
   };
 
   HaltonSampler(const Params& params, const FactoryContext& context)
-      : count_(context.samplesPerPixel.value_or(context.quick ? 1 : params.pixelsamples)) {}
+      : count_(countFor(context, params.pixelsamples, 1)) {}
 
   int samplesPerPixel() const override { return count_; }
   std::unique_ptr<PixelSampler> makePixelSampler(std::uint64_t seed) const override {

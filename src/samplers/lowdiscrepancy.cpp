@@ -50,7 +50,7 @@ class LowDiscrepancySampler final : public Sampler {
   };
 
   LowDiscrepancySampler(const Params& params, const FactoryContext& context) {
-    const int wanted = context.samplesPerPixel.value_or(context.quick ? 1 : params.pixelsamples);
+    const int wanted = countFor(context, params.pixelsamples, 1);
     count_ = roundUpToPowerOfTwo(wanted);
     if (count_ != wanted)
       context.log->warning(

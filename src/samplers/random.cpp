@@ -51,7 +51,7 @@ class RandomSampler final : public Sampler {
   };
 
   RandomSampler(const Params& params, const FactoryContext& context)
-      : count_(context.samplesPerPixel.value_or(params.pixelsamples)) {}
+      : count_(countFor(context, params.pixelsamples, params.pixelsamples)) {}
 
   int samplesPerPixel() const override { return count_; }
   std::unique_ptr<PixelSampler> makePixelSampler(std::uint64_t seed) const override {

@@ -123,7 +123,7 @@ class StratifiedSampler final : public Sampler {
     if (context.quick) strata_.x = strata_.y = 1;
     if (context.samplesPerPixel) {
       // The most nearly square grid of exactly so many cells.
-      const int n = *context.samplesPerPixel;
+      const int n = countFor(context, 1, 1);
       strata_.y = 1;
       for (int y = 2; y * y <= n; ++y)
         if (n % y == 0) strata_.y = y;

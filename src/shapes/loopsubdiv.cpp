@@ -219,7 +219,7 @@ std::vector<Vec3> pushToLimit(ControlMesh& mesh) {
   limit.reserve(limit.size() + 1);
   for (std::size_t i = 0; i < mesh.points.size(); ++i) {
     limit[i] =
-        blend(mesh.points[i], around[i], limitWeight(std::max(1, around[i].valence)), 1.f / 5.f);
+        blend(mesh.points[i], around[i], limitWeight(std::max(1, around[i].valence)), 1.f / 6.f);
     if (someHalfEdge[i] == kBoundary) continue;
     collectRing(mesh, someHalfEdge[i], ring);
     normals[i] = limitNormal(mesh.points[i], ring, around[i].boundaryEnds != 0);
@@ -229,8 +229,9 @@ std::vector<Vec3> pushToLimit(ControlMesh& mesh) {
 }
 
 /// Loop subdivision surface of a control mesh: `nlevels` subdivisions, then the limit positions and
-/// normals. Boundaries are cubic splines; vertices where several meet stay. Source: Loop 1987;
-/// Hoppe et al. 1994 (limit masks); Warren 1995 (weights). Test: loopsubdiv_test.
+/// normals. Boundaries are cubic splines (their limit mask is 1/6 4/6 1/6; PBRT-v2 has 1/5 3/5
+/// 1/5); vertices where several boundaries meet stay. Source: Loop 1987; Hoppe et al. 1994 (limit
+/// masks); Warren 1995 (weights). Test: loopsubdiv_test.
 class LoopSubdiv final : public TriangleMesh {
  public:
   enum class Scheme { Loop };

@@ -43,7 +43,10 @@ float LightEstimate::at(float t) const {
   const Vec3 p = ray_(t);
   const auto s = light_.sampleLi(p, Vec2(0.5f));
   if (!s || !(s->pdf > 0)) return 0;
-  return s->L.average() / s->pdf * volume_.phase(p, -ray_.d, s->wi);
+  const Rgb L = volume_.isClosedForm()
+                    ? s->L * volume_.transmittance(Scene::shadowRay(p, ray_.time, *s))
+                    : s->L;
+  return L.average() / s->pdf * volume_.phase(p, -ray_.d, s->wi);
 }
 
 bool wantsPhaseSampling(const Volume& volume, const Light& light) {

@@ -21,12 +21,14 @@ struct MediumLightUniforms {
   Vec2 phase{0};
 };
 
-/// Unshadowed in-scattering of the middle of a light along a ray.
+/// In-scattering of the middle of a light along a ray, without shadows of surfaces; attenuated
+/// where that is cheap.
 class LightEstimate final : public ScatteringEstimate {
  public:
   LightEstimate(const Volume& volume, const Ray& ray, const Light& light)
       : volume_(volume), ray_(ray), light_(light) {}
   float at(float t) const override;
+  bool isReliable() const override { return volume_.isClosedForm() && light_.isDelta(); }
 
  private:
   const Volume& volume_;

@@ -58,6 +58,10 @@ class Aggregate final : public Volume {
     for (const Volume* v : volumes_) v->appendPieces(ray, range, pieces);
   }
 
+  bool isClosedForm() const override {
+    return volumes_.size() <= 4 && std::all_of(volumes_.begin(), volumes_.end(),
+                                               [](const Volume* v) { return v->isClosedForm(); });
+  }
   bool isEmissive() const override {
     return std::any_of(volumes_.begin(), volumes_.end(),
                        [](const Volume* v) { return v->isEmissive(); });

@@ -42,6 +42,7 @@ class BoxVolume : public Volume {
                                           float depth) const final;
   Rgb emission(const Ray& ray, Interval range) const final;
   void appendPieces(const Ray& ray, Interval range, std::vector<MediumPiece>& pieces) const final;
+  bool isClosedForm() const override { return true; }
   bool isEmissive() const final { return !unit_.Le.isBlack() && maxDensity() > 0; }
   bool isScattering() const final { return !unit_.sigma_s.isBlack() && maxDensity() > 0; }
   float phase(const Vec3&, const Vec3& wo, const Vec3& wi) const final { return phase_->p(wo, wi); }

@@ -50,6 +50,8 @@ class VolumeGrid final : public BoxVolume {
     for (int a = 0; a < 3; ++a) toLattice_[a] = grid_.size()[a] / (boxHi()[a] - boxLo()[a]);
   }
 
+  bool isClosedForm() const override { return false; }
+
  protected:
   double density(const Vec3d& p) const override { return grid_.density(latticePoint(p)); }
   double maxDensity() const override { return double{grid_.maxDensity()}; }

@@ -25,6 +25,7 @@ class TestBoxFilter final : public Filter {
 /// The ray's origin is (raster x, raster y, time).
 class RasterCamera final : public Camera {
  public:
+  RasterCamera() : Camera(CameraParams{}, FactoryContext{}) {}
   FootprintRay generateRay(const CameraSample& sample) const override {
     Ray ray;
     ray.o = {sample.raster.x, sample.raster.y, sample.time};

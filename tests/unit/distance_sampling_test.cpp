@@ -62,12 +62,15 @@ TEST(Equiangular, WeightOfInverseSquareFalloffIsConstant) {
 /// A source near the ray's middle, or an even one.
 class TestEstimate final : public ScatteringEstimate {
  public:
-  TestEstimate(const Ray& ray, const std::optional<Vec3>& light) : ray_(ray), light_(light) {}
+  TestEstimate(const Ray& ray, const std::optional<Vec3>& light, bool reliable = false)
+      : ray_(ray), light_(light), reliable_(reliable) {}
+  bool isReliable() const override { return reliable_; }
   float at(float t) const override { return light_ ? 1 / lengthSquared(ray_(t) - *light_) : 1; }
 
  private:
   Ray ray_;
   std::optional<Vec3> light_;
+  bool reliable_;
 };
 
 std::vector<std::unique_ptr<Volume>> media(float scale) {
@@ -116,7 +119,8 @@ TEST(DistanceSampling, SamplesAreDistributedAsTheDensity) {
     for (const auto& light : {std::optional<Vec3>(), std::optional<Vec3>(Vec3(.5f, .6f, .4f))}) {
       const MediumAlongRay medium(*volume, ray, *volume->intersect(ray));
       const Interval r = medium.range();
-      const ScatteringDistanceSampler sampler(medium, r, light, TestEstimate(ray, light));
+      const ScatteringDistanceSampler sampler(medium, r, light,
+                                              TestEstimate(ray, light, volume->isClosedForm()));
       std::vector<double> count(kCells, 0);
       for (int i = 0; i < kSamples; ++i) {
         const auto s = sampler.sample(rng.uniform());

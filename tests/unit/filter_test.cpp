@@ -37,11 +37,14 @@ TEST(Filter, SeparableEvenAndContinuousAtTheBorder) {
     for (float x = 0; x < 3; x += 0.37f) {
       EXPECT_EQ(filter->weightX(x), filter->weightX(-x)) << name;
       // Half as high as wide: the same profile, up to the tent's and Gaussian's own units.
-      if (std::string(name) == "mitchell" || std::string(name) == "sinc")
+      if (std::string(name) == "mitchell" || std::string(name) == "sinc") {
         EXPECT_FLOAT_EQ(filter->weightX(x), filter->weightY(x / 2)) << name;
+      }
     }
     EXPECT_EQ(filter->weight(1, 0.5f), filter->weightX(1) * filter->weightY(0.5f));
-    if (!filter->isConstant()) EXPECT_NEAR(filter->weightX(2.9999f), 0, 2e-4) << name;
+    if (!filter->isConstant()) {
+      EXPECT_NEAR(filter->weightX(2.9999f), 0, 2e-4) << name;
+    }
   }
 }
 
@@ -58,7 +61,7 @@ TEST(Filter, ClosedForms) {
   // Mitchell: (6 - 2B)/6 in the middle, B/6 at |x| = 1, on both pieces.
   const auto mitchell = make<Filter>("mitchell", {});
   EXPECT_FLOAT_EQ(mitchell->weightX(0), 8.f / 9);
-  EXPECT_FLOAT_EQ(mitchell->weightX(1), 1.f / 18);
+  EXPECT_NEAR(mitchell->weightX(1), 1.f / 18, 1e-7);  // cancellation of terms near 1
   EXPECT_NEAR(mitchell->weightX(1.0001f), 1.f / 18, 1e-4);
   EXPECT_LT(mitchell->weightX(1.5f), 0);
 }

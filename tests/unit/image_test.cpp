@@ -224,6 +224,19 @@ TEST_F(ImageFile, JpegValue) {
             Rgb(128 / 255.f));  // zero coefficients: mid grey
 }
 
+TEST_F(ImageFile, JpegTablesAreCheckedBeforeDecoding) {
+  const Bytes good = tinyJpeg();
+  // The first Huffman table follows start, quantisation table and frame: 2 + 69 + 13 bytes.
+  constexpr std::size_t kCounts = 2 + 69 + 13 + 5;
+  Bytes tooManyCodes = good;
+  tooManyCodes[kCounts + 15] = 255;
+  tooManyCodes[kCounts + 14] = 255;
+  EXPECT_THAT(errorOf([&] { decodeStbImage(tooManyCodes); }), HasSubstr("bad Huffman table"));
+  Bytes otherTable = good;
+  otherTable[good.size() - 7] = 0x11;  // the scan uses tables 1, only tables 0 exist
+  EXPECT_THAT(errorOf([&] { decodeStbImage(otherTable); }), HasSubstr("Huffman table is missing"));
+}
+
 /// A run-length coded 24-bit TGA of 3 x 2 pixels, top row first.
 Bytes codedTga() {
   return {0,    0, 10, 0, 0, 0,  0,    0,    0,  0,  0,

@@ -9,6 +9,7 @@
 
 #include "core/error.h"
 #include "core/io/image_limits.h"
+#include "core/io/jpeg_integrity.h"
 
 namespace brume {
 namespace {
@@ -55,22 +56,6 @@ void checkPng(ByteSpan bytes) {
     if (startsWith(typeAndData, "IEND")) return;
     at += 12 + length;
   }
-}
-
-/// Segments up to the first scan, then an end-of-image marker somewhere behind.
-void checkJpeg(ByteSpan bytes) {
-  constexpr unsigned char kStartOfScan = 0xda, kEndOfImage = 0xd9;
-  for (std::size_t at = 2;;) {
-    while (at < bytes.size() && bytes[at] != 0xff) ++at;
-    while (at < bytes.size() && bytes[at] == 0xff) ++at;
-    if (bytes.size() - at < 3) truncated("JPEG");
-    if (bytes[at] == kStartOfScan) break;
-    at += 1 + (std::size_t{bytes[at + 1]} << 8 | bytes[at + 2]);
-    if (at >= bytes.size()) truncated("JPEG");
-  }
-  for (std::size_t i = bytes.size() - 1; i > 2; --i)
-    if (bytes[i] == kEndOfImage && bytes[i - 1] == 0xff) return;
-  truncated("JPEG");
 }
 
 struct TgaHeader {

@@ -33,7 +33,7 @@ class Single final : public VolumeIntegrator {
  public:
   struct Params {
     std::optional<float> stepsize;
-    int samples = 4;
+    int samples = 16;
     Method method = Method::Mis;
     void visit(ParamVisitor& v) {
       v(stepsize, "stepsize", kPositive, Unit::Length,
@@ -100,7 +100,7 @@ class Single final : public VolumeIntegrator {
 
   Rgb scattered(const MediumAlongRay& medium, RenderContext& context) const {
     thread_local LightChoice::Choices choices;
-    thread_local std::vector<float> uDistance, uTechnique, uLobe;
+    thread_local std::vector<float> uTechnique, uLobe;
     thread_local std::vector<Vec2> uPoint, uPhase;
     const auto n = static_cast<std::size_t>(params_.samples);
     const auto draw1D = [&](std::vector<float>& values) {
@@ -112,8 +112,8 @@ class Single final : public VolumeIntegrator {
       context.samples.get2DArray(values);
     };
     // The same number of dimensions is taken whatever the ray meets.
-    draw1D(uDistance);
     const float lightOffset = context.samples.get1D();
+    const float distanceOffset = context.samples.get1D();
     draw2D(uPoint);
     if (samplesPhase_) {
       draw1D(uTechnique);
@@ -125,35 +125,42 @@ class Single final : public VolumeIntegrator {
     const Ray& ray = medium.ray();
     lights_.along(ray, medium.range(), choices);
     if (choices.isEmpty()) return {};
-    // Lights come in order, so that each builds its table of distances once.
+    // Lights come in order, so that each builds its table of distances once; evenly spaced numbers
+    // with one offset make a quadrature rule of each table.
     Rgb sum;
-    const LightChoice::Choices::Chosen* chosen = nullptr;
-    std::optional<ScatteringDistanceSampler> distances;
-    for (std::size_t i = 0; i < n; ++i) {
-      const auto& next =
-          choices.choose((static_cast<float>(i) + lightOffset) / static_cast<float>(n));
-      if (&next != chosen) {
-        chosen = &next;
-        distances.emplace(medium, chosen->illuminated, chosen->light->position(),
-                          LightEstimate(*volume_, ray, *chosen->light));
-      }
-      if (distances->isEmpty()) continue;
-      const auto at = distances->sample(uDistance[i]);
-      if (!at || at->medium.sigma_s.isBlack()) continue;
-      context.stats.add(Stat::VolumeSamples);
+    std::size_t i = 0;
+    while (i < n) {
+      const auto& chosen = choices.choose(spaced(i, n, lightOffset));
+      std::size_t end = i + 1;
+      while (end < n && &choices.choose(spaced(end, n, lightOffset)) == &chosen) ++end;
+      const ScatteringDistanceSampler distances(medium, chosen.illuminated,
+                                                chosen.light->position(),
+                                                LightEstimate(*volume_, ray, *chosen.light));
+      const std::size_t first = i;
+      for (; i < end && !distances.isEmpty(); ++i) {
+        const auto at = distances.sample(spaced(i - first, end - first, distanceOffset));
+        if (!at || at->medium.sigma_s.isBlack()) continue;
+        context.stats.add(Stat::VolumeSamples);
 
-      MediumLightUniforms u;
-      u.light = uPoint[i];
-      if (samplesPhase_) {
-        u.technique = uTechnique[i];
-        u.lobe = uLobe[i];
-        u.phase = uPhase[i];
+        MediumLightUniforms u;
+        u.light = uPoint[i];
+        if (samplesPhase_) {
+          u.technique = uTechnique[i];
+          u.lobe = uLobe[i];
+          u.phase = uPhase[i];
+        }
+        const Rgb inscattered = estimateInscattering(scene_, {ray(at->t), -ray.d, ray.time},
+                                                     *chosen.light, u, context.stats);
+        sum += inscattered * at->medium.sigma_s * at->Tr / (at->pdf * chosen.probability);
       }
-      const Rgb inscattered = estimateInscattering(scene_, {ray(at->t), -ray.d, ray.time},
-                                                   *chosen->light, u, context.stats);
-      sum += inscattered * at->medium.sigma_s * at->Tr / (at->pdf * chosen->probability);
+      i = end;
     }
     return sum / static_cast<float>(n);
+  }
+
+  /// Number i of n evenly spaced ones with one offset.
+  static float spaced(std::size_t i, std::size_t n, float offset) {
+    return std::min((static_cast<float>(i) + offset) / static_cast<float>(n), kOneMinusEpsilon);
   }
 
   Rgb march(const MediumAlongRay& medium, RenderContext& context) const {

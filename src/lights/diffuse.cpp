@@ -6,7 +6,7 @@ namespace brume {
 namespace {
 
 /// A shape that emits radiance L evenly on the side of its normal, in all directions. Sampled by
-/// the shape, per solid angle. Power pi A L. Test: light_test.
+/// the shape, per solid angle. Power pi A L. "area" is a second name. Test: light_test.
 class DiffuseAreaLight final : public AreaLight {
  public:
   struct Params {
@@ -78,10 +78,10 @@ class DiffuseAreaLight final : public AreaLight {
   Bounds3 bounds_;
 };
 
-const RegisterPlugin<AreaLight, DiffuseAreaLight> kRegistration{"area", Origin::PbrtV2,
+const RegisterPlugin<AreaLight, DiffuseAreaLight> kRegistration{"diffuse", Origin::PbrtV2,
                                                                 "shape that emits evenly"};
-const RegisterPlugin<AreaLight, DiffuseAreaLight> kAlias{"diffuse", Origin::PbrtV2,
-                                                         "the same as \"area\""};
+const RegisterPlugin<AreaLight, DiffuseAreaLight> kAlias{"area", Origin::PbrtV2,
+                                                         "the same as \"diffuse\""};
 
 }  // namespace
 }  // namespace brume
