@@ -255,9 +255,16 @@ void MipMap<T>::accumulateRow(const Level& level, int t, int s0, int s1, const W
   const int row = wrapIndex(t, level.height, settings_.wrap);
   const T* texels = level.texels.data() + static_cast<std::size_t>(std::max(row, 0)) *
                                               static_cast<std::size_t>(level.width);
+  if (row >= 0 && s0 >= 0 && s1 < level.width) {
+    for (int s = s0; s <= s1; ++s) {
+      const float w = weight(s);
+      sumWeights += w;
+      sum += texels[s] * w;
+    }
+    return;
+  }
   for (int s = s0; s <= s1; ++s) {
     const float w = weight(s);
-    if (w == 0) continue;
     sumWeights += w;
     const int column = wrapIndex(s, level.width, settings_.wrap);
     if (row >= 0 && column >= 0) sum += texels[column] * w;
@@ -294,9 +301,9 @@ T MipMap<T>::ewa(const Level& level, Vec2 st, Vec2 dst0, Vec2 dst1) const {
     const auto weight = [&](int s) {
       const float ds = static_cast<float>(s) - center.x;
       const float r2 = A * ds * ds + b * ds + c;
-      if (!(r2 < 1)) return 0.f;
-      const int index = static_cast<int>(std::max(r2, 0.f) * kWeightTableSize);
-      return kGaussian[static_cast<std::size_t>(std::min(index, kWeightTableSize - 1))];
+      // The last entry is 0: texels that rounding lets in from outside count nothing.
+      const float index = std::clamp(r2 * kWeightTableSize, 0.f, kWeightTableSize - 1.f);
+      return kGaussian[static_cast<std::size_t>(static_cast<int>(index))];
     };
     accumulateRow(level, t, s0, s1, weight, sum, sumWeights);
   }

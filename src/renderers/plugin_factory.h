@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <fmt/format.h>
-
 #include "core/log.h"
+#include "core/parse/find_plugin.h"
 #include "core/parse/scene_description.h"
 #include "core/registry.h"
 #include "renderers/render_job.h"
@@ -21,14 +20,13 @@ class PluginFactory {
   template <class Interface>
   std::unique_ptr<Interface> make(PluginDirective& directive,
                                   typename Interface::FactoryContext context) {
-    const auto* entry = Registry<Interface>::find(directive.name);
-    if (!entry) failUnknown(Interface::kPluginKind, directive, Registry<Interface>::names());
+    const auto& entry = findPlugin<Interface>(directive.name, directive.params.where());
     ParamReader reader({&directive.params}, directive.name, searchDirectory_, nullptr, log_);
     context.where = directive.params.where();
     context.log = &log_;
     RenderJob::UsedPlugin used{std::string(Interface::kPluginKind), directive.name, {}};
-    std::unique_ptr<Interface> plugin = entry->create(reader, context, &used.params);
-    reportUnusedParams(directive.params, directive.name, entry->origin, reader.declared(), log_);
+    std::unique_ptr<Interface> plugin = entry.create(reader, context, &used.params);
+    reportUnusedParams(directive.params, directive.name, entry.origin, reader.declared(), log_);
     used_.push_back(std::move(used));
     return plugin;
   }
@@ -36,13 +34,6 @@ class PluginFactory {
   std::vector<RenderJob::UsedPlugin> takeUsed() { return std::move(used_); }
 
  private:
-  [[noreturn]] static void failUnknown(std::string_view kind, const PluginDirective& directive,
-                                       const std::vector<std::string>& names) {
-    throw SceneError(directive.params.where(),
-                     fmt::format("unknown {} \"{}\"{}; choose {}", kind, directive.name,
-                                 nearestSpelling(directive.name, names), listChoices(names)));
-  }
-
   std::string searchDirectory_;
   Log& log_;
   std::vector<RenderJob::UsedPlugin> used_;

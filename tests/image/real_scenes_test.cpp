@@ -34,7 +34,7 @@ struct RealScene {
   int block = 8;            ///< pixels of the published image
   double mean = 0.01;       ///< tolerance for the mean of each channel
   double blocks = 0.03;     ///< tolerance for 95 % of the block means
-  std::string reference;    ///< beside the scenes' folder; empty: the published image
+  std::string reference{};  ///< beside the scenes' folder; empty: the published image
 };
 void PrintTo(const RealScene& scene, std::ostream* os) { *os << scene.name; }
 

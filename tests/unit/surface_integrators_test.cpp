@@ -42,8 +42,9 @@ INSTANTIATE_TEST_SUITE_P(Integrators, DirectLight,
 TEST_P(DirectLight, PointLightOnAPlane) {
   const std::string light = "LightSource \"point\" \"color I\" [10 10 10] \"point from\" [1 0 2]\n";
   const double expected = .5 / M_PI * 10 / 5 * 2 / std::sqrt(5.0);
-  // No noise; the pixel's footprint changes the value by less than its angle, 2e-4.
-  EXPECT_NEAR(renderValue(scene(GetParam(), kFromSide, light + kFloor)), expected, 1e-3 * expected);
+  // No noise; the pixel is 1.4e-3 wide at the camera's distance, and at the grazing angle of 1 in 8
+  // covers 1.1e-2 of the floor, half to each side, over which 1/d^2 changes by its double over d.
+  EXPECT_NEAR(renderValue(scene(GetParam(), kFromSide, light + kFloor)), expected, 5e-3 * expected);
 }
 
 TEST_P(DirectLight, DistantLightOnAPlane) {
@@ -93,7 +94,7 @@ TEST_P(DirectLight, MediaAttenuateBothSegments) {
   const double direct = .5 / M_PI * 10 / 5 * 2 / std::sqrt(5.0);
   const double expected = direct * std::exp(-.2 * (std::sqrt(65.0) + std::sqrt(5.0)));
   EXPECT_NEAR(renderValue(scene(GetParam(), kFromSide, light + fog + kFloor)), expected,
-              1e-3 * expected);
+              5e-3 * expected);  // as for the point light without media
 }
 
 TEST_P(DirectLight, MirrorShowsTheEmitter) {

@@ -19,7 +19,20 @@ constexpr Absent kAbsent[] = {
     {"Texture float", "uv", "it yields colors: define it as \"color\""},
     {"Texture float", "marble", "it yields colors: define it as \"color\""}};
 
+/// PBRT-v2's second names.
+struct Alias {
+  std::string_view kind, name, registered;
+};
+constexpr Alias kAliases[] = {{"AreaLightSource", "area", "diffuse"},
+                              {"LightSource", "exinfinite", "infinite"}};
+
 }  // namespace
+
+std::string_view registeredName(std::string_view kind, std::string_view name) {
+  for (const Alias& alias : kAliases)
+    if (alias.kind == kind && alias.name == name) return alias.registered;
+  return name;
+}
 
 std::string unknownPlugin(std::string_view kind, std::string_view name,
                           const std::vector<std::string>& choices) {

@@ -14,11 +14,14 @@ namespace brume {
 std::string unknownPlugin(std::string_view kind, std::string_view name,
                           const std::vector<std::string>& choices);
 
+/// The name under which a plugin is registered, for one of PBRT-v2's second names.
+std::string_view registeredName(std::string_view kind, std::string_view name);
+
 /// The registered plugin, or a SceneError at `where`.
 template <class Interface>
 const typename Registry<Interface>::Entry& findPlugin(const std::string& name,
                                                       const SourceLocation& where) {
-  const auto* entry = Registry<Interface>::find(name);
+  const auto* entry = Registry<Interface>::find(registeredName(Interface::kPluginKind, name));
   if (!entry)
     throw SceneError(where,
                      unknownPlugin(Interface::kPluginKind, name, Registry<Interface>::names()));
