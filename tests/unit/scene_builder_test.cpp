@@ -294,13 +294,13 @@ TEST(SceneBuilder, VolumesAndLightsAreInRenderSpace) {
 
 TEST(SceneBuilder, UnknownPluginsAreErrors) {
   EXPECT_THAT(errorOf("Shape \"spere\""),
-              testing::StartsWith("t.pbrt:3:7: unknown Shape 'spere' (did you mean 'sphere'?); "
+              testing::StartsWith("t.pbrt:3:7: unknown Shape \"spere\" (did you mean 'sphere'?); "
                                   "choose 'cone', "));
   EXPECT_THAT(errorOf("Material \"subsurface\""), testing::HasSubstr("is not part of brume"));
   for (const char* directive : {"LightSource", "AreaLightSource", "Volume", "Material", "Shape"})
     EXPECT_THAT(errorOf(std::string(directive) + " \"nothing\""),
-                testing::HasSubstr("unknown " + std::string(directive) + " 'nothing'"));
-  EXPECT_THAT(errorOf("Texture \"t\" \"color\" \"nothing\""), testing::HasSubstr("'nothing'"));
+                testing::HasSubstr("unknown " + std::string(directive) + " \"nothing\""));
+  EXPECT_THAT(errorOf("Texture \"t\" \"color\" \"nothing\""), testing::HasSubstr("unknown Texture spectrum \"nothing\""));
   EXPECT_THAT(errorOf("Texture \"t\" \"colour\" \"constant\""),
               testing::HasSubstr("3:13: 'colour' is no texture type: 'float', 'color' or "
                                  "'spectrum' (did you mean 'color'?)"));

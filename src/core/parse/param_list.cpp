@@ -213,6 +213,9 @@ ParamListReader::Declaration ParamListReader::parseDeclaration(const Token& toke
 bool ParamListReader::openList(const Declaration& decl) {
   const Token& token = tokens_.peek();
   if (token.kind == Token::Kind::Number || token.kind == Token::Kind::String) return false;
+  if (token.kind == Token::Kind::Word && (token.text == "true" || token.text == "false"))
+    throw SceneError(token.where,
+                     fmt::format("{} needs its value in quotes: \"{}\"", decl.written, token.text));
   if (token.kind != Token::Kind::Open)
     throw SceneError(
         token.kind == Token::Kind::End ? decl.where : token.where,
