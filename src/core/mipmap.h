@@ -48,6 +48,9 @@ class MipMap {
   struct Level {
     int width, height;
     std::vector<T> texels;
+    const T* row(int t) const {
+      return texels.data() + static_cast<std::size_t>(t) * static_cast<std::size_t>(width);
+    }
   };
 
   T bilinear(const Level& level, Vec2 st) const;

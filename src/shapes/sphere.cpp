@@ -59,6 +59,7 @@ class Sphere final : public Quadric {
     return !(cutsBelow_ && p.z < zMin_) && !(cutsAbove_ && p.z > zMax_) && phiExists(p.x, p.y);
   }
   Local local(const Vec3d& p) const override;
+  Vec3d normal(const Vec3d& p) const override { return p * (1 / radius_); }
   Vec3d sampleObject(Vec2 u) const override {
     const double z = zMin_ + (zMax_ - zMin_) * u.x, phi = phiMax() * u.y;
     const double radius = std::sqrt(std::max(0.0, radius_ * radius_ - z * z));
@@ -73,10 +74,11 @@ class Sphere final : public Quadric {
     if (cutsBelow_ || cutsAbove_ || phiMax() < kTwoPi || !(sin2 < kOutside)) return std::nullopt;
     return sin2 / (1 + std::sqrt(1 - sin2));
   }
-  /// Density per solid angle in shape space for one in object space; wi is unit, in shape space.
-  double densityInShapeSpace(double oneMinusCos, const Vec3d& wi) const {
-    const double stretch = length(vectorToObject(wi));
-    return objectVolumeRatio() / (stretch * stretch * stretch) / (kTwoPi * oneMinusCos);
+  /// Density per solid angle in shape space for one in object space; wi is of length l, in shape
+  /// space.
+  double densityInShapeSpace(double oneMinusCos, const Vec3d& wi, double l) const {
+    const double stretch = length(vectorToObject(wi)) / l;
+    return objectVolumeRatio() / (stretch * stretch * stretch * kTwoPi * oneMinusCos);
   }
 
   double radius_, zMin_, zMax_;
@@ -107,12 +109,14 @@ std::optional<ShapeSample> Sphere::sampleSolidAngle(const Vec3& ref, Vec2 u) con
   // A direction of the cone by its 1 - cos, which keeps its precision however far the sphere is.
   const double oneMinusCos = *cone * u.x, cosTheta = 1 - oneMinusCos;
   const double sin2 = oneMinusCos * (2 - oneMinusCos);
-  const double distance = length(from), phi = kTwoPi * u.y;
-  const Vec3d axis = -from / distance;
+  const double distance = length(from);
+  const float phi = 2.f * kPi * u.y;
+  const Vec3d axis = from * (-1 / distance);
   const Vec3d side = normalize(std::abs(axis.x) > std::abs(axis.y) ? Vec3d(-axis.z, 0, axis.x)
                                                                    : Vec3d(0, axis.z, -axis.y));
   const Vec3d up = cross(axis, side);
-  const Vec3d w = axis * cosTheta + (side * std::cos(phi) + up * std::sin(phi)) * std::sqrt(sin2);
+  const Vec3d around = side * double{std::cos(phi)} + up * double{std::sin(phi)};
+  const Vec3d w = axis * cosTheta + around * std::sqrt(sin2);
 
   // Where it enters the sphere.
   const double inside = radius_ * radius_ - distance * distance * sin2;
@@ -122,7 +126,7 @@ std::optional<ShapeSample> Sphere::sampleSolidAngle(const Vec3& ref, Vec2 u) con
   const Vec3d toLight = Vec3d(sample.p) - Vec3d(ref);
   const double d = length(toLight);
   if (!(d > 0)) return std::nullopt;
-  sample.pdf = static_cast<float>(densityInShapeSpace(*cone, toLight / d));
+  sample.pdf = static_cast<float>(densityInShapeSpace(*cone, toLight, d));
   if (!(sample.pdf > 0.f) || !std::isfinite(sample.pdf)) return std::nullopt;
   return sample;
 }
@@ -131,7 +135,7 @@ float Sphere::pdfSolidAngle(const Vec3& ref, const Vec3& wi, const Vec3& hitPoin
                             const Vec3& hitNormal) const {
   const std::optional<double> cone = coneFrom(toObject(ref));
   if (!cone) return Quadric::pdfSolidAngle(ref, wi, hitPoint, hitNormal);
-  return static_cast<float>(densityInShapeSpace(*cone, Vec3d(wi)));
+  return static_cast<float>(densityInShapeSpace(*cone, Vec3d(wi), 1));
 }
 
 const RegisterPlugin<Shape, Sphere> kRegistration{"sphere", Origin::PbrtV2,

@@ -281,7 +281,12 @@ TEST(Render, StartsFast) {
   double best = 1e9;
   for (int i = 0; i < 5; ++i)
     best = std::min(best, runBrume({{"--check", "ball.pbrt"}, folder.path()}).seconds);
-  EXPECT_LT(best, 0.25);  // 0.05 is the goal; a busy machine and sanitizers are slower
+#ifdef __SANITIZE_ADDRESS__
+  constexpr double kLimit = 2;
+#else
+  constexpr double kLimit = 0.25;  // 0.05 is the goal; the machine may be busy
+#endif
+  EXPECT_LT(best, kLimit);
 }
 
 }  // namespace

@@ -5,6 +5,8 @@
 #include "core/registry.h"
 #include "core/sampling.h"
 #include "transport/direct_light.h"
+#include "transport/distance_sampling.h"
+#include "transport/light_choice.h"
 #include "transport/light_grid.h"
 #include "transport/specular.h"
 
@@ -20,17 +22,18 @@ constexpr float kLongPathSurvival = 0.99f;
 
 /// Volumetric path tracing: all light, over any number of scatterings at surfaces and in media. The
 /// judge of the other methods.
-///   L(o,w) = Int_0^s Tr(t) [Le(t) + sigma_s(t) Int f_p L(x_t,w') dw'] dt + Tr(s) L_surface [W m^-2
-///   sr^-1]
+///   L(o,w) = Int_0^s Tr(t) [Le(t) + sigma_s(t) Int f_p L(x_t,w') dw'] dt + Tr(s) L_surface
+///                                                                         [W m^-2 sr^-1]
 /// On every segment the emission of the media and the light of the surface or sky behind are added
 /// in full, by their exact attenuation; then one free flight, drawn by inversion of the exact
 /// optical depth, decides where the path goes on: in the medium, or at the surface. At every vertex
 /// one light is sampled, and the ray that goes on finds light as well; both are weighted by the
-/// power heuristic. Chromatic media: the channel that draws the distance is chosen by throughput,
-/// and the weight divides by the mean of the channels' densities, so that it stays bounded.
-/// Unbiased. What it cannot find: light of a point, spot, distant or projection light that arrives
-/// through glass or off a mirror. Source: Novak et al. 2018, Monte Carlo Methods for Volumetric
-/// Light Transport Simulation. Test: volpath_test.
+/// power heuristic. Lights without extent are moreover seen from an equiangular distance of every
+/// segment (Kulla, Fajardo 2012). Chromatic media: the channel that draws the distance is chosen by
+/// throughput, and the weight divides by the mean of the channels' densities, so that it stays
+/// bounded. Unbiased. What it cannot find: light of a point, spot, distant or projection light that
+/// arrives through glass or off a mirror. Source: Novak et al. 2018, Monte Carlo Methods for
+/// Volumetric Light Transport Simulation. Test: volpath_test.
 class VolPath final : public RayGlobalIntegrator {
  public:
   struct Params {
@@ -41,7 +44,7 @@ class VolPath final : public RayGlobalIntegrator {
     }
   };
   VolPath(Params params, const FactoryContext& context)
-      : params_(params), scene_(*context.scene), grid_(scene_) {}
+      : params_(params), scene_(*context.scene), grid_(scene_), segmentLights_(scene_.lights()) {}
 
   Rgb Li(const FootprintRay& cameraRay, int depth, RenderContext& context) const override;
 
@@ -64,10 +67,24 @@ class VolPath final : public RayGlobalIntegrator {
     return !params_.maxdepth || path.scatterings < *params_.maxdepth;
   }
   Rgb lightBehind(const PathState& path, const std::optional<SurfaceInteraction>& hit) const;
-  std::optional<float> sampleFlight(PathState& path, const MediumAlongRay& medium,
-                                    RenderContext& context) const;
+  /// A free flight: where it ends, if in the medium, and with which density [1/length].
+  struct Flight {
+    std::optional<float> t;
+    float pdf = 0;
+  };
+  /// One segment in the media, and the lights with a position that shine on it.
+  struct Segment {
+    MediumAlongRay medium;
+    Rgb channels;  ///< probability of each channel to draw the distance
+    LightChoice::Choices lights;
+  };
+  static float flightPdf(const Segment& segment, float t);
+  static float equiangularPdf(const Segment& segment, const Light& light, float t);
+  Rgb equiangularLight(const PathState& path, const Segment& segment, RenderContext& context) const;
+  static Flight sampleFlight(PathState& path, const Segment& segment, RenderContext& context);
   Rgb transmittance(const Ray& ray) const;
-  bool scatterInMedium(PathState& path, float t, RenderContext& context) const;
+  bool scatterInMedium(PathState& path, const Segment& segment, const Flight& flight,
+                       RenderContext& context) const;
   bool scatterAtSurface(PathState& path, const SurfaceInteraction& at,
                         RenderContext& context) const;
   bool survives(PathState& path, RenderContext& context) const;
@@ -75,6 +92,7 @@ class VolPath final : public RayGlobalIntegrator {
   Params params_;
   const Scene& scene_;
   LightGrid grid_;
+  LightChoice segmentLights_;
 };
 
 /// Emission of the surface that the ray meets, or of the sky, weighted against the sampling of
@@ -104,37 +122,78 @@ Rgb VolPath::transmittance(const Ray& ray) const {
   return scene_.volume() ? scene_.volume()->transmittance(ray) : Rgb(1.f);
 }
 
-/// Draws a free flight. Returns where the path scatters, or none when it reaches the end of the
-/// segment; the throughput takes the attenuation, sigma_s and the density in.
-std::optional<float> VolPath::sampleFlight(PathState& path, const MediumAlongRay& medium,
-                                           RenderContext& context) const {
-  // The channel in proportion to what it carries.
-  const Rgb& carried = path.throughput;
-  const Rgb choice = carried / (carried.r + carried.g + carried.b);
-  const float uChannel = context.samples.get1D(), uDepth = context.samples.get1D();
-  const int channel = uChannel < choice.r                               ? 0
-                      : uChannel < choice.r + choice.g || choice.b == 0 ? 1
-                                                                        : 2;
+/// Density of free flights at t: the mean over the channels that may draw them.
+float VolPath::flightPdf(const Segment& segment, float t) {
+  const Rgb density =
+      segment.channels * segment.medium.at(t).sigma_t() * segment.medium.transmittance(t);
+  return density.r + density.g + density.b;
+}
 
-  const double depth = -std::log1p(-static_cast<double>(uDepth));
-  const std::optional<float> t = medium.invert(channel, depth);
-  if (!t) {
-    const Rgb Tr = medium.transmittance(), reach = choice * Tr;
+/// Density with which equiangularLight looks at this light from t, its choice included.
+float VolPath::equiangularPdf(const Segment& segment, const Light& light, float t) {
+  for (const auto& chosen : segment.lights.all())
+    if (chosen.light == &light && t >= chosen.illuminated.t0 && t <= chosen.illuminated.t1)
+      return chosen.probability *
+             EquiangularSampler(segment.medium.ray(), chosen.illuminated, *light.position()).pdf(t);
+  return 0;
+}
+
+/// Light of a source with a position, scattered at a distance that is drawn evenly in the angle
+/// under which the source sees the segment: like 1 / distance^2, which free flights do not follow,
+/// so that alone they have no finite variance around a point light. Weighted by the balance
+/// heuristic against the light that is sampled at the end of the free flight.
+Rgb VolPath::equiangularLight(const PathState& path, const Segment& segment,
+                              RenderContext& context) const {
+  const float uChoice = context.samples.get1D(), uDistance = context.samples.get1D();
+  if (segment.lights.isEmpty()) return {};
+  const auto& chosen = segment.lights.choose(uChoice);
+  if (!chosen.light->isDelta() || !chosen.light->position()) return {};
+  const DistanceSample at =
+      EquiangularSampler(path.ray, chosen.illuminated, *chosen.light->position()).sample(uDistance);
+  const MediumCoefficients medium = segment.medium.at(at.t);
+  if (!(at.pdf > 0) || medium.sigma_s.isBlack()) return {};
+
+  context.stats.add(Stat::VolumeSamples);
+  const Vec3 p = path.ray(at.t);
+  const auto light = chosen.light->sampleLi(p, Vec2(.5f));
+  if (!light || light->L.isBlack()) return {};
+  const Ray shadow = Scene::shadowRay(p, path.ray.time, *light);
+  if (scene_.isOccluded(shadow, context.stats)) return {};
+  const float phase = scene_.volume()->phase(p, -path.ray.d, light->wi);
+  const float pdf =
+      chosen.probability * at.pdf + grid_.probability(p, chosen.light) * flightPdf(segment, at.t);
+  return path.throughput * segment.medium.transmittance(at.t) * medium.sigma_s * light->L *
+         transmittance(shadow) * (phase / pdf);
+}
+
+/// Draws a free flight; the throughput takes the attenuation, sigma_s and the density in.
+VolPath::Flight VolPath::sampleFlight(PathState& path, const Segment& segment,
+                                      RenderContext& context) {
+  const Rgb& channels = segment.channels;
+  const float uChannel = context.samples.get1D(), uDepth = context.samples.get1D();
+  const int channel = uChannel < channels.r                                   ? 0
+                      : uChannel < channels.r + channels.g || channels.b == 0 ? 1
+                                                                              : 2;
+  Flight flight;
+  flight.t = segment.medium.invert(channel, -std::log1p(-static_cast<double>(uDepth)));
+  if (!flight.t) {
+    const Rgb Tr = segment.medium.transmittance(), reach = channels * Tr;
     path.throughput *= Tr / (reach.r + reach.g + reach.b);
-    return std::nullopt;
+    return flight;
   }
-  const MediumCoefficients at = medium.at(*t);
-  const Rgb Tr = medium.transmittance(*t), density = choice * at.sigma_t() * Tr;
-  const float pdf = density.r + density.g + density.b;
-  path.throughput = pdf > 0 ? path.throughput * Tr * at.sigma_s / pdf : Rgb();
-  return t;
+  flight.pdf = flightPdf(segment, *flight.t);
+  path.throughput = flight.pdf > 0 ? path.throughput * segment.medium.transmittance(*flight.t) *
+                                         segment.medium.at(*flight.t).sigma_s / flight.pdf
+                                   : Rgb();
+  return flight;
 }
 
 /// Light sampled at a point in the medium, then a direction of the phase function. False: the path
 /// ends.
-bool VolPath::scatterInMedium(PathState& path, float t, RenderContext& context) const {
+bool VolPath::scatterInMedium(PathState& path, const Segment& segment, const Flight& flight,
+                              RenderContext& context) const {
   const Volume& volume = *scene_.volume();
-  const Vec3 p = path.ray(t), wo = -path.ray.d;
+  const Vec3 p = path.ray(*flight.t), wo = -path.ray.d;
   context.stats.add(Stat::VolumeSamples);
 
   // Next-event estimation: one light, chosen for this point.
@@ -147,7 +206,15 @@ bool VolPath::scatterInMedium(PathState& path, float t, RenderContext& context) 
       const Ray shadow = Scene::shadowRay(p, path.ray.time, *light);
       if (phase > 0 && !scene_.isOccluded(shadow, context.stats)) {
         const float lightPdf = choice->probability * light->pdf;
-        const float weight = choice->light->isDelta() ? 1.f : powerHeuristic(lightPdf, phase);
+        // Lights without extent are also seen by equiangularLight, the others by the ray that goes
+        // on.
+        float weight = powerHeuristic(lightPdf, phase);
+        if (choice->light->isDelta()) {
+          const float here = choice->probability * flight.pdf;
+          const float there =
+              choice->light->position() ? equiangularPdf(segment, *choice->light, *flight.t) : 0.f;
+          weight = here / (here + there);
+        }
         path.L += path.throughput * transmittance(shadow) * light->L * (phase * weight / lightPdf);
       }
     }
@@ -218,7 +285,7 @@ bool VolPath::survives(PathState& path, RenderContext& context) const {
 Rgb VolPath::Li(const FootprintRay& cameraRay, int, RenderContext& context) const {
   PathState path;
   path.ray = cameraRay;
-  MediumAlongRay medium;
+  thread_local Segment segment;  // reused, so that its memory is
   for (;;) {
     const auto hit = scene_.intersect(path.ray, context.stats);
     context.stats.add(Stat::PathSegments);
@@ -228,20 +295,31 @@ Rgb VolPath::Li(const FootprintRay& cameraRay, int, RenderContext& context) cons
     const auto range = scene_.volume() ? scene_.volume()->intersect(path.ray) : std::nullopt;
     Rgb behind = lightBehind(path, hit);
     if (range) {
-      medium.assign(*scene_.volume(), path.ray, *range);
-      behind *= medium.transmittance();
-      if (scene_.volume()->isEmissive()) path.L += path.throughput * medium.emission();
+      segment.medium.assign(*scene_.volume(), path.ray, *range);
+      behind *= segment.medium.transmittance();
+      if (scene_.volume()->isEmissive()) path.L += path.throughput * segment.medium.emission();
       context.stats.add(Stat::VolumeSegments);
     }
     path.L += path.throughput * behind;
     if (!mayScatter(path)) break;
 
     // Where the path goes on.
-    const std::optional<float> t = range ? sampleFlight(path, medium, context) : std::nullopt;
-    if (!t && !hit) break;
+    Flight flight;
+    if (range) {
+      const Rgb& carried = path.throughput;
+      segment.channels = carried / (carried.r + carried.g + carried.b);
+      if (scene_.volume()->isScattering() && !segment.medium.isEmpty()) {
+        segmentLights_.along(path.ray, *range, segment.lights);
+        path.L += equiangularLight(path, segment, context);
+      }
+      flight = sampleFlight(path, segment, context);
+    }
+    if (!flight.t && !hit) break;
     ++path.scatterings;
     if (path.throughput.isBlack()) break;
-    if (!(t ? scatterInMedium(path, *t, context) : scatterAtSurface(path, *hit, context))) break;
+    const bool goesOn = flight.t ? scatterInMedium(path, segment, flight, context)
+                                 : scatterAtSurface(path, *hit, context);
+    if (!goesOn) break;
     if (!survives(path, context)) break;
   }
   return path.L;
