@@ -98,6 +98,15 @@ def measure_mesh(folder, megabytes):
             "peak_to_limit": peak / (1.5 * geometry + embree)}
 
 
+def measure_parser(megabytes):
+    """Bytes of text per second of processor time: what else runs on the machine counts less."""
+    output = subprocess.run(
+        [BUILD / "bench" / "brume_micro", "--benchmark_format=json",
+         f"--benchmark_filter=parseMesh/MB:{megabytes}$"],
+        check=True, stdout=subprocess.PIPE, text=True).stdout
+    return json.loads(output)["benchmarks"][0]["bytes_per_second"] / 1e6
+
+
 def measure_start(folder):
     scene = folder / "small.pbrt"
     write_small(scene)
@@ -133,6 +142,7 @@ def print_table(report):
 
     mesh, start = report["mesh"], report["start"]
     row("parsing a trianglemesh", f"{mesh['parse_mb_per_second']:.0f} MB/s", "at least 100 MB/s")
+    row("  by processor time, from memory", f"{report['parse_mb_per_cpu_second']:.0f} MB/s")
     row("peak / (1.5 geometry + Embree)", f"{mesh['peak_to_limit']:.2f}", "below 1")
     for part in ("geometry", "embree", "peak"):
         row(f"  {part}", f"{mesh[part + '_bytes'] / 1e6:.0f} MB")
@@ -168,6 +178,7 @@ def main():
         folder = pathlib.Path(name)
         report = {"processors": os.cpu_count(), "load": os.getloadavg()[0],
                   "mesh": measure_mesh(folder, arguments.mesh_mb),
+                  "parse_mb_per_cpu_second": measure_parser(100),
                   "start": measure_start(folder),
                   "embree": measure_embree(folder, arguments.scenes.resolve(), arguments.spp)}
     pathlib.Path(arguments.json).write_text(json.dumps(report, indent=2) + "\n")
