@@ -199,6 +199,8 @@ TEST(Render, StatisticsSayWhatWasDone) {
   EXPECT_GE(frame["counters"]["Rays/camera"], 24 * 16 * 4);
   EXPECT_EQ(frame["counters"]["Faults/NaN radiance"], 0);
   EXPECT_GT(frame["peak memory"], 1 << 20);
+  EXPECT_GT(frame["accelerator memory"], 0);
+  EXPECT_LT(frame["accelerator memory"], frame["peak memory"]);
   for (const char* phase : {"parse", "build", "render", "write"})
     EXPECT_GE(frame["seconds"][phase], 0) << phase;
   const auto isSampler = [](const auto& plugin) {
