@@ -145,6 +145,22 @@ Vec2 scaled(Vec2 v, int width, int height) {
   return {v.x * static_cast<float>(width), v.y * static_cast<float>(height)};
 }
 
+/// Floor and ceiling of numbers that fit an int, without a library call.
+int floorToInt(float x) {
+  const int i = static_cast<int>(x);
+  return i - (x < static_cast<float>(i) ? 1 : 0);
+}
+int ceilToInt(float x) {
+  const int i = static_cast<int>(x);
+  return i + (x > static_cast<float>(i) ? 1 : 0);
+}
+
+/// wrapIndex for the sides of a level, which are powers of two.
+inline int wrapInLevel(int i, int n, WrapMode wrap) {
+  if (static_cast<unsigned>(i) < static_cast<unsigned>(n)) return i;
+  return wrap == WrapMode::Repeat ? i & (n - 1) : wrap == WrapMode::Black ? -1 : i < 0 ? 0 : n - 1;
+}
+
 /// Into the range where texel indices fit an int with room to spare; NaN to its lower end.
 float toIndexable(float x) {
   constexpr float kFar = 2048.f;
@@ -179,8 +195,8 @@ MipMap<T>::MipMap(int width, int height, std::vector<T> texels, const MipMapSett
 
 template <class T>
 T MipMap<T>::wrapped(const Level& level, int s, int t) const {
-  s = wrapIndex(s, level.width, settings_.wrap);
-  t = wrapIndex(t, level.height, settings_.wrap);
+  s = wrapInLevel(s, level.width, settings_.wrap);
+  t = wrapInLevel(t, level.height, settings_.wrap);
   if (s < 0 || t < 0) return T{};
   return level.texels[static_cast<std::size_t>(t) * static_cast<std::size_t>(level.width) +
                       static_cast<std::size_t>(s)];
@@ -200,11 +216,18 @@ Vec2 MipMap<T>::wrapPoint(Vec2 st) const {
 template <class T>
 T MipMap<T>::bilinear(const Level& level, Vec2 st) const {
   const Vec2 p = scaled(st, level.width, level.height) - Vec2(.5f);
-  const float fs = std::floor(p.x), ft = std::floor(p.y);
-  const int s = static_cast<int>(fs), t = static_cast<int>(ft);
-  const float ds = p.x - fs, dt = p.y - ft;
-  return (1 - ds) * (1 - dt) * wrapped(level, s, t) + (1 - ds) * dt * wrapped(level, s, t + 1) +
-         ds * (1 - dt) * wrapped(level, s + 1, t) + ds * dt * wrapped(level, s + 1, t + 1);
+  const int s = floorToInt(p.x), t = floorToInt(p.y);
+  const float ds = p.x - static_cast<float>(s), dt = p.y - static_cast<float>(t);
+  const int s0 = wrapInLevel(s, level.width, settings_.wrap);
+  const int s1 = wrapInLevel(s + 1, level.width, settings_.wrap);
+  const auto row = [&](int i) {
+    i = wrapInLevel(i, level.height, settings_.wrap);
+    if (i < 0) return T{};
+    const T* texels =
+        &level.texels[static_cast<std::size_t>(i) * static_cast<std::size_t>(level.width)];
+    return (1 - ds) * (s0 < 0 ? T{} : texels[s0]) + ds * (s1 < 0 ? T{} : texels[s1]);
+  };
+  return (1 - dt) * row(t) + dt * row(t + 1);
 }
 
 template <class T>
@@ -249,22 +272,6 @@ T MipMap<T>::lookup(Vec2 st, Vec2 dst0, Vec2 dst1) const {
 }
 
 template <class T>
-template <class Weight>
-void MipMap<T>::accumulateRow(const Level& level, int t, int s0, int s1, const Weight& weight,
-                              T& sum, float& sumWeights) const {
-  const int row = wrapIndex(t, level.height, settings_.wrap);
-  const T* texels = level.texels.data() + static_cast<std::size_t>(std::max(row, 0)) *
-                                              static_cast<std::size_t>(level.width);
-  for (int s = s0; s <= s1; ++s) {
-    const float w = weight(s);
-    if (w == 0) continue;
-    sumWeights += w;
-    const int column = wrapIndex(s, level.width, settings_.wrap);
-    if (row >= 0 && column >= 0) sum += texels[column] * w;
-  }
-}
-
-template <class T>
 T MipMap<T>::ewa(const Level& level, Vec2 st, Vec2 dst0, Vec2 dst1) const {
   const Vec2 center = scaled(st, level.width, level.height) - Vec2(.5f);
   dst0 = scaled(dst0, level.width, level.height);
@@ -279,22 +286,21 @@ T MipMap<T>::ewa(const Level& level, Vec2 st, Vec2 dst0, Vec2 dst1) const {
   const float B = -2 * (dst0.x * dst0.y + dst1.x * dst1.y) * invF;
   A *= invF;
   C *= invF;
+  const float invA = 1 / A;
 
   T sum{};
   float sumWeights = 0;
-  const int tEnd = static_cast<int>(std::floor(center.y + tExtent));
-  for (int t = static_cast<int>(std::ceil(center.y - tExtent)); t <= tEnd; ++t) {
+  const int tEnd = floorToInt(center.y + tExtent);
+  for (int t = ceilToInt(center.y - tExtent); t <= tEnd; ++t) {
     // The texels of this row inside the ellipse: the roots of the quadratic in s.
     const float dt = static_cast<float>(t) - center.y;
     const float b = B * dt, c = C * dt * dt;
-    const float middle = -b / (2 * A);
-    const float half = safeSqrt(A - invF * dt * dt) / A;
-    const int s0 = static_cast<int>(std::ceil(center.x + middle - half));
-    const int s1 = static_cast<int>(std::floor(center.x + middle + half));
+    const float middle = center.x - .5f * b * invA;
+    const float half = safeSqrt(A - invF * dt * dt) * invA;
+    const int s0 = ceilToInt(middle - half), s1 = floorToInt(middle + half);
     const auto weight = [&](int s) {
       const float ds = static_cast<float>(s) - center.x;
-      const float r2 = A * ds * ds + b * ds + c;
-      if (!(r2 < 1)) return 0.f;
+      const float r2 = (A * ds + b) * ds + c;
       const int index = static_cast<int>(std::max(r2, 0.f) * kWeightTableSize);
       return kGaussian[static_cast<std::size_t>(std::min(index, kWeightTableSize - 1))];
     };
@@ -302,6 +308,33 @@ T MipMap<T>::ewa(const Level& level, Vec2 st, Vec2 dst0, Vec2 dst1) const {
   }
   // The widened ellipse always covers the texel nearest to its centre; only an overflow misses it.
   return sumWeights > 0 ? sum / sumWeights : bilinear(level, st);
+}
+
+template <class T>
+template <class Weight>
+void MipMap<T>::accumulateRow(const Level& level, int t, int s0, int s1, const Weight& weight,
+                              T& sum, float& sumWeights) const {
+  const int row = wrapInLevel(t, level.height, settings_.wrap);
+  const T* texels = level.texels.data() + static_cast<std::size_t>(std::max(row, 0)) *
+                                              static_cast<std::size_t>(level.width);
+  T rowSum{};
+  float rowWeights = 0;
+  if (row >= 0 && s0 >= 0 && s1 < level.width) {  // nothing to wrap
+    for (int s = s0; s <= s1; ++s) {
+      const float w = weight(s);
+      rowWeights += w;
+      rowSum += texels[s] * w;
+    }
+  } else {
+    for (int s = s0; s <= s1; ++s) {
+      const float w = weight(s);
+      rowWeights += w;
+      const int column = wrapInLevel(s, level.width, settings_.wrap);
+      if (row >= 0 && column >= 0) rowSum += texels[column] * w;
+    }
+  }
+  sum += rowSum;
+  sumWeights += rowWeights;
 }
 
 template class MipMap<float>;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/quadric.h"
 
-
 namespace brume {
 
 namespace {
@@ -78,7 +77,7 @@ float Quadric::area() const {
   for (int i = 0; i < cells; ++i)
     for (int j = 0; j < cells; ++j) {
       const Vec2 u((static_cast<float>(i) + 0.5f) * cell, (static_cast<float>(j) + 0.5f) * cell);
-      sum += areaRatio(local(sampleObject(u)).n);
+      sum += areaRatio(normalAt(sampleObject(u)));
     }
   return static_cast<float>(objectArea_ * sum / (cells * cells));
 }
@@ -144,11 +143,9 @@ SurfaceInteraction Quadric::interaction(const Ray& ray, const ShapeHit& hit) con
 }
 
 ShapeSample Quadric::sampleAt(const Vec3d& object) const {
-  const Local at = local(object);
   ShapeSample sample;
   sample.p = toShape(object, &sample.pError);
-  sample.n = Vec3(normalToShape(at.n));
-  sample.uv = {static_cast<float>(at.u), static_cast<float>(at.v)};
+  sample.n = Vec3(normalToShape(normalAt(object)));
   return sample;
 }
 

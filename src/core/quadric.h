@@ -61,6 +61,8 @@ class Quadric : public Shape {
   /// Whether a point of the unclipped surface belongs to the shape.
   virtual bool exists(const Vec3d& p) const = 0;
   virtual Local local(const Vec3d& p) const = 0;
+  /// local(p).n alone, for samples.
+  virtual Vec3d normalAt(const Vec3d& p) const { return local(p).n; }
   /// A point uniform by area in object space.
   virtual Vec3d sampleObject(Vec2 u) const = 0;
 

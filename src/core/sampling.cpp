@@ -5,13 +5,24 @@
 
 namespace brume {
 
+namespace {
+
+/// Cosine and sine of |x| <= pi/4 by Taylor's series, to 3e-8 and 2e-9: half of a library call, and
+/// the same on every machine.
+Vec2 cosSinEighth(float x) {
+  const float x2 = x * x;
+  return {1 + x2 * (-1.f / 2 + x2 * (1.f / 24 + x2 * (-1.f / 720 + x2 * (1.f / 40320)))),
+          x * (1 + x2 * (-1.f / 6 + x2 * (1.f / 120 + x2 * (-1.f / 5040 + x2 * (1.f / 362880)))))};
+}
+
+}  // namespace
+
 Vec2 sampleConcentricDisk(Vec2 u) {
   const float x = 2.f * u.x - 1.f, y = 2.f * u.y - 1.f;
   if (x == 0.f && y == 0.f) return Vec2(0);
-  const bool horizontal = std::abs(x) > std::abs(y);
-  const float r = horizontal ? x : y;
-  const float theta = horizontal ? (kPi / 4) * (y / x) : (kPi / 2) - (kPi / 4) * (x / y);
-  return {r * std::cos(theta), r * std::sin(theta)};
+  if (std::abs(x) > std::abs(y)) return x * cosSinEighth((kPi / 4) * (y / x));
+  const Vec2 c = cosSinEighth((kPi / 4) * (x / y));  // pi/2 minus the angle
+  return {y * c.y, y * c.x};
 }
 
 Vec3 sampleCosineHemisphere(Vec2 u) {

@@ -102,7 +102,8 @@ std::optional<SurfaceInteraction> Scene::intersect(const FootprintRay& ray, Stat
   if (!hit) return std::nullopt;
 
   const Primitive& primitive = *hit->primitive;
-  SurfaceInteraction si;
+  std::optional<SurfaceInteraction> result(std::in_place);
+  SurfaceInteraction& si = *result;
   if (hit->instance) {
     const Transform groupToScene = hit->instance->groupToParent.at(ray.time);
     si = primitive.shape->interaction(groupToScene.inverse().ray(ray), hit->shape);
@@ -115,7 +116,7 @@ std::optional<SurfaceInteraction> Scene::intersect(const FootprintRay& ray, Stat
   si.material = primitive.material;
   si.areaLight = primitive.areaLight;
   si.computeFootprint(ray, Vec3(contents_.sceneOrigin));
-  return si;
+  return result;
 }
 
 bool Scene::isOccluded(const Ray& ray, Stats& stats) const {

@@ -76,23 +76,21 @@ void transformMesh(MeshData& data, const Transform& t, const SourceLocation& whe
 /// along the normal, so it is wrong by some roundings of the edges (first term), and by the
 /// rounding of the normal, which a cross product of long edges makes large for slivers (second
 /// term).
-Vec3 pointError(const Vec3& p, const Vec3d& edge1, const Vec3d& edge2,
-                const Vec3d& unscaledNormal) {
+Vec3 pointError(const Vec3& p, const Vec3d& edge1, const Vec3d& edge2, const Vec3d& unitNormal,
+                double inverseDoubleArea) {
   constexpr double kEpsilon = kMachineEpsilon;
-  const double doubleArea = length(unscaledNormal);
   Vec3d extent, crossTerms;
   for (int i = 0; i < 3; ++i) {
     const int j = (i + 1) % 3, k = (i + 2) % 3;
     extent[i] = std::max({std::abs(edge1[i]), std::abs(edge2[i]), std::abs(edge1[i] - edge2[i])});
     crossTerms[i] = std::abs(edge1[j] * edge2[k]) + std::abs(edge1[k] * edge2[j]);
   }
-  const double tilt = doubleArea > 0 ? kEpsilon * dot(crossTerms, extent) / doubleArea : 0;
+  const double tilt = kEpsilon * dot(crossTerms, extent) * inverseDoubleArea;
   Vec3 error;
-  for (int i = 0; i < 3; ++i) {
-    const double n = doubleArea > 0 ? std::abs(unscaledNormal[i]) / doubleArea : 0;
-    error[i] = static_cast<float>(kEpsilon * (1.01 * std::abs(p[i]) + 4 * extent[i]) +
-                                  2 * tilt * n + std::numeric_limits<float>::min());
-  }
+  for (int i = 0; i < 3; ++i)
+    error[i] =
+        static_cast<float>(kEpsilon * (1.01 * std::abs(p[i]) + 4 * extent[i]) +
+                           2 * tilt * std::abs(unitNormal[i]) + std::numeric_limits<float>::min());
   return error;
 }
 
@@ -184,10 +182,12 @@ SurfaceInteraction TriangleMesh::interaction(const Ray& ray, const ShapeHit& hit
 
   SurfaceInteraction si;
   si.p = Vec3(p0 + edge1 * static_cast<double>(hit.u) + edge2 * static_cast<double>(hit.v));
-  si.pError = pointError(si.p, edge1, edge2, unscaledNormal);
   const double doubleArea = length(unscaledNormal);
+  const double inverseDoubleArea = doubleArea > 0 ? 1 / doubleArea : 0;
+  const Vec3d unitNormal = unscaledNormal * inverseDoubleArea;
+  si.pError = pointError(si.p, edge1, edge2, unitNormal, inverseDoubleArea);
   if (doubleArea > 0)
-    si.n = Vec3(unscaledNormal * ((flipsNormal_ ? -1 : 1) / doubleArea));
+    si.n = Vec3(flipsNormal_ ? -unitNormal : unitNormal);
   else
     si.n = tryNormalize(-ray.d).value_or(Vec3(0, 0, 1));
   si.uv = uvAt(hit.primitive, hit.u, hit.v);
@@ -272,10 +272,11 @@ ShapeSample TriangleMesh::sampleArea(Vec2 u) const {
   const float b1 = b.y, b2 = std::max(0.f, 1 - b.x - b.y);
   ShapeSample sample;
   sample.p = Vec3(p0 + edge1 * static_cast<double>(b1) + edge2 * static_cast<double>(b2));
-  sample.pError = pointError(sample.p, edge1, edge2, unscaledNormal);
   const double doubleArea = length(unscaledNormal);
-  if (doubleArea > 0) sample.n = Vec3(unscaledNormal * ((flipsNormal_ ? -1 : 1) / doubleArea));
-  sample.uv = uvAt(triangle, b1, b2);
+  const double inverseDoubleArea = doubleArea > 0 ? 1 / doubleArea : 0;
+  const Vec3d unitNormal = unscaledNormal * inverseDoubleArea;
+  sample.pError = pointError(sample.p, edge1, edge2, unitNormal, inverseDoubleArea);
+  if (doubleArea > 0) sample.n = Vec3(flipsNormal_ ? -unitNormal : unitNormal);
   sample.pdf = static_cast<float>(1 / area_);
   return sample;
 }

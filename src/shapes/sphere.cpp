@@ -59,6 +59,7 @@ class Sphere final : public Quadric {
     return !(cutsBelow_ && p.z < zMin_) && !(cutsAbove_ && p.z > zMax_) && phiExists(p.x, p.y);
   }
   Local local(const Vec3d& p) const override;
+  Vec3d normalAt(const Vec3d& p) const override { return normalize(p); }
   Vec3d sampleObject(Vec2 u) const override {
     const double z = zMin_ + (zMax_ - zMin_) * u.x, phi = phiMax() * u.y;
     const double radius = std::sqrt(std::max(0.0, radius_ * radius_ - z * z));
@@ -105,12 +106,14 @@ std::optional<ShapeSample> Sphere::sampleSolidAngle(const Vec3& ref, Vec2 u) con
   // A direction of the cone by its 1 - cos, which keeps its precision however far the sphere is.
   const double oneMinusCos = *cone * u.x, cosTheta = 1 - oneMinusCos;
   const double sin2 = oneMinusCos * (2 - oneMinusCos);
-  const double distance = length(from), phi = kTwoPi * u.y;
+  const double distance = length(from);
+  const float phi = 2 * kPi * u.y;
   const Vec3d axis = -from / distance;
   const Vec3d side = normalize(std::abs(axis.x) > std::abs(axis.y) ? Vec3d(-axis.z, 0, axis.x)
                                                                    : Vec3d(0, axis.z, -axis.y));
   const Vec3d up = cross(axis, side);
-  const Vec3d w = axis * cosTheta + (side * std::cos(phi) + up * std::sin(phi)) * std::sqrt(sin2);
+  const Vec3d w = axis * cosTheta +
+                  (side * double{std::cos(phi)} + up * double{std::sin(phi)}) * std::sqrt(sin2);
 
   // Where it enters the sphere.
   const double inside = radius_ * radius_ - distance * distance * sin2;

@@ -74,10 +74,10 @@ Rgb Path::escaped(const Ray& ray, const Arrival& arrival) const {
 }
 
 Rgb Path::direct(const LitPoint& point, RenderContext& context) const {
-  const float uChoice = context.samples.get1D();
-  const Vec2 uLight = context.samples.get2D();
+  const float uChoice = grid_.lights().size() > 1 ? context.samples.get1D() : 0.f;
   const auto choice = grid_.choose(point.at.p, uChoice);
   if (!choice) return {};
+  const Vec2 uLight = choice->light->isDelta() ? Vec2(0) : context.samples.get2D();
   const LitSample lit = sampleLight(point, *choice->light, uLight, kAllLobes, context);
   const float weight = choice->light->isDelta()
                            ? 1.f
@@ -89,8 +89,11 @@ Rgb Path::Li(const SurfaceQuery& query, RenderContext& context) const {
   Rgb L, throughput(1.f);
   Arrival arrival;
   FootprintRay ray = query.ray;
-  SurfaceInteraction at = query.hit;
+  // Two places in turn: the present vertex and the next.
+  std::optional<SurfaceInteraction> vertices[2];
+  const SurfaceInteraction* vertex = &query.hit;
   for (int bounce = 0;; ++bounce) {
+    const SurfaceInteraction& at = *vertex;
     L += throughput * emission(at, arrival);
     if (bounce > params_.maxdepth) break;
 
@@ -102,7 +105,7 @@ Rgb Path::Li(const SurfaceQuery& query, RenderContext& context) const {
 
     // The direction in which the path goes on. The last vertex looks for light that its BSDF can
     // find, and nothing else.
-    const float uLobe = context.samples.get1D();
+    const float uLobe = bsdf.lobeCount() > 1 ? context.samples.get1D() : 0.f;
     const Vec2 uDirection = context.samples.get2D();
     const bool isLast = bounce == params_.maxdepth;
     if (isLast && !grid_.hasHittableLights()) break;
@@ -125,7 +128,8 @@ Rgb Path::Li(const SurfaceQuery& query, RenderContext& context) const {
     // The next vertex, attenuated by the media on the way.
     ray = sample->isSpecular() ? specularRay(ray, at, bsdf.shadingNormal(), *sample)
                                : FootprintRay(at.spawnRay(sample->wi));
-    auto hit = scene_.intersect(ray, context.stats);
+    auto& hit = vertices[bounce & 1];
+    hit = scene_.intersect(ray, context.stats);
     if (scene_.volume()) {
       Ray segment = ray;
       if (hit) segment.tMax = distance(ray.o, hit->p);
@@ -135,7 +139,7 @@ Rgb Path::Li(const SurfaceQuery& query, RenderContext& context) const {
       L += throughput * escaped(ray, arrival);
       break;
     }
-    at = *hit;
+    vertex = &*hit;
   }
   return L;
 }
