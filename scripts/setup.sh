@@ -25,9 +25,10 @@ install_packages() {
     as_root=(sudo)
   fi
   echo "Installing ${missing[*]}" >&2
-  "${as_root[@]}" apt-get -qq update </dev/null >&2
-  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
-    apt-get -qq install -y --no-install-recommends "${missing[@]}" </dev/null >&2
+  # Only what goes wrong is worth reading.
+  "${as_root[@]}" apt-get -qq update </dev/null >/dev/null
+  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -qq -o Dpkg::Use-Pty=0 \
+    install -y --no-install-recommends "${missing[@]}" </dev/null >/dev/null
 }
 
 # Compilers that run at once: one per processor, but each may take 1 GiB (2 GiB with sanitizers).

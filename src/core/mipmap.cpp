@@ -301,8 +301,9 @@ T MipMap<T>::ewa(const Level& level, Vec2 st, Vec2 dst0, Vec2 dst1) const {
     const auto weight = [&](int s) {
       const float ds = static_cast<float>(s) - center.x;
       const float r2 = (A * ds + b) * ds + c;
-      const int index = static_cast<int>(std::max(r2, 0.f) * kWeightTableSize);
-      return kGaussian[static_cast<std::size_t>(std::min(index, kWeightTableSize - 1))];
+      // The last entry is 0: texels that rounding lets in from outside count nothing.
+      const float index = std::clamp(r2 * kWeightTableSize, 0.f, kWeightTableSize - 1.f);
+      return kGaussian[static_cast<std::size_t>(static_cast<int>(index))];
     };
     accumulateRow(level, t, s0, s1, weight, sum, sumWeights);
   }

@@ -23,22 +23,22 @@ struct Rgb {
   constexpr Rgb& operator*=(const Rgb& o) { return *this = *this * o; }
   constexpr Rgb& operator*=(float s) { return *this = *this * s; }
   constexpr Rgb& operator/=(float s) { return *this = *this / s; }
-  friend constexpr Rgb operator+(const Rgb& a, const Rgb& b) {
-    return {a.r + b.r, a.g + b.g, a.b + b.b};
+  friend constexpr Rgb operator+(const Rgb& x, const Rgb& y) {
+    return {x.r + y.r, x.g + y.g, x.b + y.b};
   }
-  friend constexpr Rgb operator-(const Rgb& a, const Rgb& b) {
-    return {a.r - b.r, a.g - b.g, a.b - b.b};
+  friend constexpr Rgb operator-(const Rgb& x, const Rgb& y) {
+    return {x.r - y.r, x.g - y.g, x.b - y.b};
   }
-  friend constexpr Rgb operator*(const Rgb& a, const Rgb& b) {
-    return {a.r * b.r, a.g * b.g, a.b * b.b};
+  friend constexpr Rgb operator*(const Rgb& x, const Rgb& y) {
+    return {x.r * y.r, x.g * y.g, x.b * y.b};
   }
-  friend constexpr Rgb operator/(const Rgb& a, const Rgb& b) {
-    return {a.r / b.r, a.g / b.g, a.b / b.b};
+  friend constexpr Rgb operator/(const Rgb& x, const Rgb& y) {
+    return {x.r / y.r, x.g / y.g, x.b / y.b};
   }
-  friend constexpr Rgb operator*(const Rgb& a, float s) { return {a.r * s, a.g * s, a.b * s}; }
-  friend constexpr Rgb operator*(float s, const Rgb& a) { return a * s; }
-  friend constexpr Rgb operator/(const Rgb& a, float s) { return {a.r / s, a.g / s, a.b / s}; }
-  friend constexpr Rgb operator-(const Rgb& a) { return {-a.r, -a.g, -a.b}; }
+  friend constexpr Rgb operator*(const Rgb& x, float s) { return {x.r * s, x.g * s, x.b * s}; }
+  friend constexpr Rgb operator*(float s, const Rgb& x) { return x * s; }
+  friend constexpr Rgb operator/(const Rgb& x, float s) { return {x.r / s, x.g / s, x.b / s}; }
+  friend constexpr Rgb operator-(const Rgb& x) { return {-x.r, -x.g, -x.b}; }
   friend constexpr bool operator==(const Rgb&, const Rgb&) = default;
 
   constexpr bool isBlack() const { return r == 0 && g == 0 && b == 0; }

@@ -6,7 +6,7 @@ namespace brume {
 namespace {
 
 /// A shape that emits radiance L evenly on the side of its normal, in all directions. Sampled by
-/// the shape, per solid angle. Power pi A L. Scenes may call it "area". Test: light_test.
+/// the shape, per solid angle. Power pi A L. "area" is a second name. Test: light_test.
 class DiffuseAreaLight final : public AreaLight {
  public:
   struct Params {
@@ -80,6 +80,8 @@ class DiffuseAreaLight final : public AreaLight {
 
 const RegisterPlugin<AreaLight, DiffuseAreaLight> kRegistration{"diffuse", Origin::PbrtV2,
                                                                 "shape that emits evenly"};
+const RegisterPlugin<AreaLight, DiffuseAreaLight> kAlias{"area", Origin::PbrtV2,
+                                                         "the same as \"diffuse\""};
 
 }  // namespace
 }  // namespace brume

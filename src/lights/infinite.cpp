@@ -10,8 +10,8 @@ namespace {
 ///   s = phi / 2 pi (from +x towards +y), t = theta / pi, the first row around +z; bilinear
 /// A map is sampled in proportion to the mean luminance of its interpolant over each pixel times
 /// solid angle (exactly the density that pdfLi returns: no bias); a constant uniformly. Power
-/// pi R^2 integral(L dw) through the ball of radius R around the scene. Scenes may call it
-/// "exinfinite". Test: light_test.
+/// pi R^2 integral(L dw) through the ball of radius R around the scene. "exinfinite" is a
+/// second name. Test: light_test.
 class InfiniteLight final : public Light {
  public:
   struct Params {
@@ -98,6 +98,8 @@ class InfiniteLight final : public Light {
 
 const RegisterPlugin<Light, InfiniteLight> kRegistration{
     "infinite", Origin::PbrtV2, "radiance from all around, constant or a lat-long image"};
+const RegisterPlugin<Light, InfiniteLight> kAlias{"exinfinite", Origin::PbrtV2,
+                                                  "the same as \"infinite\""};
 
 }  // namespace
 }  // namespace brume

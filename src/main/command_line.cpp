@@ -137,7 +137,9 @@ void checkSceneWords(const std::vector<std::string>& scenes,
   for (const std::string& scene : scenes) {
     const bool looksLikeCommand = scene.find_first_of("./\\-") == std::string::npos;
     std::error_code ignored;
-    if (looksLikeCommand && !std::filesystem::exists(scene, ignored))
+    const bool isFile =
+        std::filesystem::exists(scene, ignored) && !std::filesystem::is_directory(scene, ignored);
+    if (looksLikeCommand && !isFile)
       throw SceneError(fmt::format(
           "'{}' is neither a scene file nor a command of this brume{}; the commands are {}", scene,
           nearestSpelling(scene, commands), listChoices(commands)));

@@ -71,7 +71,7 @@ class RenderRun {
 
 int RenderRun::run() {
   setThreadCount(command_.threads);
-  if (!command_.statsFile.empty()) checkWritable(command_.statsFile);
+  if (!command_.statsFile.empty()) checkTextFileWritable(command_.statsFile);
   int exitCode = kExitDone;
   for (const std::string& scene : command_.scenes) {
     try {

@@ -66,10 +66,12 @@ class Sphere final : public Quadric {
     return {radius * std::cos(phi), radius * std::sin(phi), z};
   }
   /// 1 - cos of the half-angle of the cone that the sphere fills as seen from a point of object
-  /// space; none when it is not seen as a whole from outside.
+  /// space; none when it is not seen as a whole from outside. A point within 1e-4 radii of the
+  /// surface may be one of the surface itself, lit by the sphere's inside: it is not outside.
   std::optional<double> coneFrom(const Vec3d& p) const {
+    constexpr double kOutside = 1 - 2e-4;
     const double sin2 = radius_ * radius_ / dot(p, p);
-    if (cutsBelow_ || cutsAbove_ || phiMax() < kTwoPi || !(sin2 < 1)) return std::nullopt;
+    if (cutsBelow_ || cutsAbove_ || phiMax() < kTwoPi || !(sin2 < kOutside)) return std::nullopt;
     return sin2 / (1 + std::sqrt(1 - sin2));
   }
   /// Density per solid angle in shape space for one in object space; wi is unit, in shape space.

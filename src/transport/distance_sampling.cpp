@@ -10,6 +10,8 @@ constexpr double kEvenShare = 0.02;
 constexpr double kCollisionShare = 0.1;
 /// Optical depth up to which a density linear between the cuts follows the attenuation.
 constexpr double kThin = 16;
+/// Optical depth from which on the tail of the attenuation is cut once more.
+constexpr double kTailed = 2;
 
 }  // namespace
 
@@ -119,8 +121,10 @@ void ScatteringDistanceSampler::cutAtQuantiles() {
     if (const auto s = transmittance_.sample(u)) x_[n++] = std::clamp(toX(double{s->t}), 0.0, end);
   }
   // The tail of the attenuation, where one piece would be too long for a linear density.
-  for (const float u : {31.f / 32, 511.f / 512})
-    if (const auto s = transmittance_.sample(u)) x_[n++] = std::clamp(toX(double{s->t}), 0.0, end);
+  if (transmittance_.depth() > kTailed)
+    for (const float u : {31.f / 32, 511.f / 512})
+      if (const auto s = transmittance_.sample(u))
+        x_[n++] = std::clamp(toX(double{s->t}), 0.0, end);
   x_[n++] = end;
   std::sort(x_.begin(), x_.begin() + n);
   // Cuts that a float cannot tell apart are one.

@@ -108,7 +108,7 @@ class ScatteringDistanceSampler {
   float pdf(float t) const;
 
  private:
-  static constexpr int kQuantiles = 8;
+  static constexpr int kQuantiles = 4;
   static constexpr int kMaxPieces = 2 * kQuantiles + 1;
 
   // The table is linear in a variable x(t): angle or length.

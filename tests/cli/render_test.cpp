@@ -38,7 +38,7 @@ std::string smallScene(const std::string& filename, int spp = 1) {
 }
 
 /// Hours of work: to be interrupted.
-std::string endlessScene(const std::string& filename) { return smallScene(filename, 1 << 26); }
+std::string endlessScene(const std::string& filename) { return smallScene(filename, 1 << 24); }
 
 std::string endOf(const std::string& text) {
   return text.substr(text.size() > 400 ? text.size() - 400 : 0);

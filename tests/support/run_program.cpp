@@ -95,7 +95,8 @@ ProgramResult runBrume(const ProgramInput& input) {
   // Poll: short sleeps are precise enough for a test and need no second thread.
   int status = 0;
   bool isSignalDue = input.signal.has_value();
-  while (waitpid(child, &status, WNOHANG) == 0) {
+  rusage usage{};
+  while (wait4(child, &status, WNOHANG, &usage) == 0) {
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
     if (isSignalDue && readFile(streams.path() / "err").find(input.waitFor) != std::string::npos) {
       kill(child, *input.signal);
@@ -105,6 +106,11 @@ ProgramResult runBrume(const ProgramInput& input) {
   }
   ProgramResult result;
   result.seconds = std::chrono::duration<double>(Clock::now() - start).count();
+  const auto seconds = [](const timeval& t) {
+    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+  };
+  result.cpuSeconds = seconds(usage.ru_utime) + seconds(usage.ru_stime);
+  result.peakBytes = static_cast<std::size_t>(usage.ru_maxrss) * 1024;  // Linux counts in KiB
   result.exitCode = WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
   result.out = readFile(streams.path() / "out");
   result.err = readFile(streams.path() / "err");

@@ -31,6 +31,8 @@ struct ProgramResult {
   int exitCode = -1;  ///< -signal when it was killed
   std::string out, err;
   double seconds = 0;
+  double cpuSeconds = 0;
+  std::size_t peakBytes = 0;  ///< most memory it held at once
 };
 
 struct ProgramInput {

@@ -420,6 +420,14 @@ TEST(Light, ImportanceBoundsTheIrradiance) {
   }
 }
 
+TEST(Light, SecondNames) {
+  EXPECT_TRUE(makeLight("exinfinite", {})->isInfinite());
+  const Disk disk;
+  AreaLight::FactoryContext context;
+  context.shape = &disk;
+  EXPECT_TRUE(make<AreaLight>("area", {}, context));
+}
+
 TEST(Light, MapsThatAreMissing) {
   const int before = captureLog().warningCount();
   expectRelative(makeLight("goniometric", {})->power(), Rgb(4 * kPi), 1e-6f);

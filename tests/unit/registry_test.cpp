@@ -93,7 +93,7 @@ TEST(Registry, EveryPluginIsDescribed) {
 
 TEST(PluginManual, PageInDocsIsFresh) {
   const std::string page = readFile(fs::path(BRUME_SOURCE_DIR) / "docs" / "plugins.md");
-  EXPECT_EQ(page, pluginManual({"", true}))
+  EXPECT_TRUE(page == pluginManual({"", true}))
       << "docs/plugins.md is stale: run build/brume plugins --markdown > docs/plugins.md";
 }
 

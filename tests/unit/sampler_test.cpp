@@ -397,7 +397,8 @@ TEST(Sampler, EndsOfTheRanges) {
     EXPECT_THROW(makeSampler(name, {integers("pixelsamples", {-4})}), SceneError) << name;
     EXPECT_THROW(makeSampler(name, {integers("pixelsamples", {(1 << 24) + 1})}), SceneError);
     const int most = std::string(name) == "bestcandidate" ? 1 << 16 : 1 << 24;
-    const auto stream = makeSampler(name, {integers("pixelsamples", {most})})->makePixelSampler(1);
+    const auto sampler = makeSampler(name, {integers("pixelsamples", {most})});
+    const auto stream = sampler->makePixelSampler(1);
     EXPECT_NEAR(stream->startPixel({1, 1}), most, 0.01 * most) << name;
     stream->startSample(most - 1);
     EXPECT_EQ(makeSampler(name, {integers("pixelsamples", {1})})->samplesPerPixel(), 1);

@@ -7,8 +7,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <new>
 
 namespace brume {
 
@@ -45,7 +47,7 @@ InputFile InputFile::open(const std::string& path, Accept accept, const SourceLo
   if (file.fd < 0 || ::fstat(file.fd, &status) != 0) failToRead(path, blame, std::strerror(errno));
   if (S_ISDIR(status.st_mode)) failToRead(path, blame, "it is a directory");
   if (!S_ISREG(status.st_mode)) {
-    if (accept == Accept::RegularFiles || !(S_ISFIFO(status.st_mode) || S_ISCHR(status.st_mode)))
+    if (accept == Accept::RegularFiles || !S_ISFIFO(status.st_mode))
       failToRead(path, blame, "it is no regular file");
     return readStream(file.fd, path, blame);
   }
@@ -80,11 +82,18 @@ InputFile InputFile::borrow(std::string_view text) {
 InputFile InputFile::readStream(int descriptor, const std::string& name,
                                 const SourceLocation& blame) {
   InputFile result;
-  std::size_t filled = 0;
+  std::size_t filled = 0, capacity = 0;
+  const auto resize = [&](std::size_t bytes) {
+    char* memory = static_cast<char*>(std::realloc(result.owned_.get(), bytes));
+    if (!memory) throw std::bad_alloc();
+    static_cast<void>(result.owned_.release());  // realloc has freed or kept it
+    result.owned_.reset(memory);
+    capacity = bytes;
+  };
   for (;;) {
     constexpr std::size_t kChunk = std::size_t{1} << 16;
-    if (filled + kChunk > result.owned_.size()) result.owned_.resize(filled + filled / 2 + kChunk);
-    const ssize_t n = ::read(descriptor, result.owned_.data() + filled, kChunk);
+    if (filled + kChunk > capacity) resize(filled + filled / 2 + kChunk);
+    const ssize_t n = ::read(descriptor, result.owned_.get() + filled, kChunk);
     if (n < 0 && errno == EINTR) continue;
     if (n < 0) failToRead(name, blame, std::strerror(errno));
     if (n == 0) break;
@@ -94,9 +103,8 @@ InputFile InputFile::readStream(int descriptor, const std::string& name,
                  fmt::format("a stream may hold at most {} MiB; give the file by its name",
                              kMaxStreamBytes >> 20));
   }
-  result.owned_.resize(filled);
-  result.owned_.shrink_to_fit();
-  result.view_ = {result.owned_.data(), filled};
+  resize(std::max<std::size_t>(filled, 1));
+  result.view_ = {result.owned_.get(), filled};
   return result;
 }
 

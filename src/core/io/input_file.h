@@ -4,11 +4,12 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdlib>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
-#include <vector>
 
 #include "core/error.h"
 
@@ -21,7 +22,7 @@ class InputFile {
     RegularFiles,  ///< anything else (directory, pipe, device) is an error
     Streams        ///< pipes too; they are read to their end, at most kMaxStreamBytes
   };
-  static constexpr std::size_t kMaxStreamBytes = std::size_t{1} << 30;
+  static constexpr std::size_t kMaxStreamBytes = std::size_t{1} << 29;
 
   /// Throws SceneError at `blame` with the reason when the file cannot be read.
   static InputFile open(const std::string& path, Accept accept, const SourceLocation& blame);
@@ -49,8 +50,11 @@ class InputFile {
   static InputFile readStream(int descriptor, const std::string& name, const SourceLocation& blame);
 
   std::string_view view_;
-  std::vector<char> owned_;  // small files and streams; does not move in memory as a string may
-  void* mapped_ = nullptr;   // large files
+  struct Free {
+    void operator()(char* p) const { std::free(p); }
+  };
+  std::unique_ptr<char, Free> owned_;  // small files and streams; grows in place where it can
+  void* mapped_ = nullptr;             // large files
   std::optional<Identity> identity_;
 };
 

@@ -55,9 +55,9 @@ const char* skipComment(const char* p, const char* end) {
   return newline ? static_cast<const char*>(newline) + 1 : end;
 }
 
-std::string quote(std::string_view text) {
+std::string quote(std::string_view text, char mark) {
   constexpr std::size_t kLongest = 40;
-  std::string shown = "'";
+  std::string shown(1, mark);
   for (char c : text.substr(0, kLongest)) {
     const auto byte = static_cast<unsigned char>(c);
     if (byte < 0x20 || byte == 0x7f)
@@ -65,7 +65,7 @@ std::string quote(std::string_view text) {
     else
       shown += c;
   }
-  return shown + (text.size() > kLongest ? "...'" : "'");
+  return shown + (text.size() > kLongest ? "..." : "") + mark;
 }
 
 std::string quoteRun(const char* p, const char* end) {

@@ -57,7 +57,7 @@ constexpr bool endsNumber(char c) {
 }
 
 /// For messages: in quotes, at most 40 bytes, control characters as \xNN.
-std::string quote(std::string_view text);
+std::string quote(std::string_view text, char mark = '\'');
 /// The same for the run of characters at p that ends at a blank, bracket, quote or comment.
 std::string quoteRun(const char* p, const char* end);
 

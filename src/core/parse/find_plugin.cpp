@@ -39,7 +39,7 @@ std::string unknownPlugin(std::string_view kind, std::string_view name,
   for (const Absent& absent : kAbsent)
     if (absent.kind == kind && absent.name == name)
       return fmt::format("{} \"{}\" is not part of brume; {}", kind, name, absent.instead);
-  return fmt::format("unknown {} {}{}; choose {}", kind, quote(name),
+  return fmt::format("unknown {} {}{}; choose {}", kind, quote(name, '"'),
                      nearestSpelling(name, choices), listChoices(choices));
 }
 

@@ -213,9 +213,13 @@ ParamListReader::Declaration ParamListReader::parseDeclaration(const Token& toke
 bool ParamListReader::openList(const Declaration& decl) {
   const Token& token = tokens_.peek();
   if (token.kind == Token::Kind::Number || token.kind == Token::Kind::String) return false;
+  if (token.kind == Token::Kind::Word && (token.text == "true" || token.text == "false"))
+    throw SceneError(token.where,
+                     fmt::format("{} needs its value in quotes: \"{}\"", decl.written, token.text));
   if (token.kind != Token::Kind::Open)
-    throw SceneError(token.where, fmt::format("{} needs a value, but {} follows", decl.written,
-                                              describe(token)));
+    throw SceneError(
+        token.kind == Token::Kind::End ? decl.where : token.where,
+        fmt::format("{} needs a value, but {} follows", decl.written, describe(token)));
   tokens_.next();
   return true;
 }
@@ -363,8 +367,8 @@ Rgb ParamListReader::spectrumFile(const Declaration& decl, const std::string& na
   const std::string path = resolvePath(tokens_.searchDirectory(), name);
   if (const auto known = spectra_.find(path); known != spectra_.end()) return known->second;
   const SourceLocation inFile{internFileName(path), 0, 0};
-  const Pairs pairs = splitPairs(readFloatFile(path, decl.where), quote(path), inFile);
-  const Rgb color = rgbFromPairs(pairs, quote(path), inFile);
+  const Pairs pairs = splitPairs(readFloatFile(path, decl.where), "this spectrum", inFile);
+  const Rgb color = rgbFromPairs(pairs, "this spectrum", inFile);
   spectra_.emplace(path, color);
   return color;
 }

@@ -181,6 +181,9 @@ const Parser::Directive& Parser::findDirective(const Token& word) {
 }
 
 void Parser::checkBlock(const Directive& directive, const SourceLocation& where) const {
+  if (directive.name == "WorldBegin" && builder_.isInWorld())
+    throw SceneError(where, fmt::format("WorldBegin inside the world that began at {}",
+                                        toString(builder_.worldBeganAt())));
   if (directive.allowed == Allowed::InOptions && builder_.isInWorld())
     throw SceneError(where, fmt::format("{} belongs before WorldBegin (which is at {})",
                                         directive.name, toString(builder_.worldBeganAt())));

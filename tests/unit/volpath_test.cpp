@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: Apache-2.0
+// volpath against furnaces, slabs solved by adding-doubling, quadrature and itself. Samples come
+// from the sampler "random", so that pixels are independent and their scatter gives the standard
+// error. |z| < 4 fails by chance once in 16,000.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "core/parallel.h"
+#include "support/adding_doubling.h"
+#include "support/estimate.h"
+#include "support/render_text.h"
+
+namespace brume {
+namespace {
+
+constexpr double kMaxZ = 4;
+
+/// All pixels see the same: the field of view is tiny.
+std::string scene(const std::string& lookAt, const std::string& world, int samples,
+                  const std::string& params = "") {
+  return fmt::format(
+      "LookAt {}\nCamera \"perspective\" \"float fov\" [0.001]\n"
+      "Film \"image\" \"integer xresolution\" [16] \"integer yresolution\" [16]\n"
+      "Sampler \"random\" \"integer pixelsamples\" [{}]\nGlobalIntegrator \"volpath\" {}\n"
+      "WorldBegin\n{}\nWorldEnd\n",
+      lookAt, samples, params, world);
+}
+
+std::string gray(double v) { return fmt::format("[{} {} {}]", v, v, v); }
+const std::string kSky = "LightSource \"infinite\" \"color L\" [1 1 1]\n";
+const std::string kFromOutside = "4 3 5  .1 .2 .3  0 1 0", kFromInside = ".3 .2 .1  1 2 3  0 1 0";
+const std::string kBox = "\"point p0\" [-1 -1 -1] \"point p1\" [1 1 1]";
+
+/// The volume kinds with density 1 everywhere in the box.
+std::vector<std::string> equalMedia(const std::string& coefficients) {
+  std::string ones;
+  for (int i = 0; i < 27; ++i) ones += " 1";
+  return {fmt::format("Volume \"homogeneous\" {} {}\n", coefficients, kBox),
+          fmt::format("Volume \"volumegrid\" {} {} \"integer nx\" 3 \"integer ny\" 3 \"integer "
+                      "nz\" 3 \"float density\" [{}]\n",
+                      coefficients, kBox, ones),
+          fmt::format("Volume \"exponential\" {} {} \"float b\" 0\n", coefficients, kBox),
+          fmt::format("Volume \"homogeneous\" {0} \"point p0\" [-1 -1 -1] \"point p1\" [.2 1 1]\n"
+                      "Volume \"homogeneous\" {0} \"point p0\" [.2 -1 -1] \"point p1\" [1 1 1]\n",
+                      coefficients)};
+}
+
+TEST(VolPath, WhiteFurnace) {
+  // Albedo 1 under radiance 1 from everywhere: 1, whatever scatters; chromatic, forward, from
+  // outside and inside.
+  for (const std::string coefficients : {"\"color sigma_s\" [2 2 2]", "\"color sigma_s\" [.5 2 8]",
+                                         "\"color sigma_s\" [3 3 3] \"float g\" .9"})
+    for (const std::string& medium : equalMedia(coefficients))
+      for (const std::string& lookAt : {kFromOutside, kFromInside}) {
+        const auto image = renderText(scene(lookAt, kSky + medium, 8)).image;
+        for (const char* channel : {"R", "G", "B"}) {
+          const Estimate e = estimateOf(image, channel);
+          EXPECT_LT(std::abs(e.z(1)), kMaxZ) << coefficients << medium << " mean " << e.mean;
+          EXPECT_LT(e.standardError, 0.05);
+        }
+      }
+}
+
+TEST(VolPath, ThermalEquilibriumHasNoNoise) {
+  // A medium that only absorbs and emits sigma_a per unit length, under radiance 1: every ray
+  // carries 1.
+  for (const std::string& medium : equalMedia("\"color sigma_a\" [.5 2 8] \"color Le\" [.5 2 8]"))
+    for (const std::string& lookAt : {kFromOutside, kFromInside}) {
+      const Rgb mean = meanOf(renderText(scene(lookAt, kSky + medium, 1)).image);
+      for (int c = 0; c < 3; ++c)
+        EXPECT_NEAR(mean[c], 1, 1e-5) << medium;  // float rounding of the sum
+    }
+}
+
+TEST(VolPath, EqualMediaLookEqual) {
+  const std::string light = "LightSource \"point\" \"point from\" [.4 2 .2] \"color I\" [3 3 3]\n";
+  std::optional<Estimate> first;
+  for (const std::string& medium :
+       equalMedia("\"color sigma_a\" [.3 .3 .3] \"color sigma_s\" [2 2 2] \"float g\" .6")) {
+    const Estimate e = estimateOf(renderText(scene(kFromOutside, light + medium, 64)).image, "G");
+    if (!first) first = e;
+    EXPECT_LT(std::abs(e.z(*first)), kMaxZ) << medium << e.mean << " against " << first->mean;
+    EXPECT_LT(e.standardError, 0.03 * e.mean);
+  }
+}
+
+/// An infinite slab 0 < z < 1 under a unit sky on the side of +z; a black plane hides the sky from
+/// the other side.
+std::string slab(double albedo, double g, double tau, double mu, bool litSide, int samples) {
+  const double s = std::sqrt(1 - mu * mu);
+  const std::string lookAt = litSide ? fmt::format("{} 0 {}  0 0 1  0 1 0", 50 * s, 1 + 50 * mu)
+                                     : fmt::format("{} 0 {}  0 0 0  0 1 0", 5e-4 * s, -5e-4 * mu);
+  const std::string medium = fmt::format(
+      "Volume \"homogeneous\" \"color sigma_a\" {} \"color sigma_s\" {} \"float g\" {} "
+      "\"point p0\" [-1e4 -1e4 0] \"point p1\" [1e4 1e4 1]\n",
+      gray(tau * (1 - albedo)), gray(tau * albedo), g);
+  const std::string plane =
+      "Material \"matte\" \"color Kd\" [0 0 0]\n"
+      "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3]\n"
+      "  \"point P\" [-2e4 -2e4 -.001  2e4 -2e4 -.001  2e4 2e4 -.001  -2e4 2e4 -.001]\n";
+  return scene(lookAt, kSky + medium + plane, samples);
+}
+
+TEST(VolPath, SlabsAgreeWithAddingDoubling) {
+  struct Case {
+    double albedo, g, tau;
+  };
+  for (const Case c : {Case{0.9, 0.75, 2}, {1, 0, 1}, {0.5, -0.5, 2}, {0.97, 0.85, 5}}) {
+    const auto exact = test::solveSlab(c.albedo, c.tau, test::henyeyGreenstein(c.g), {1, 0.5, 0.2});
+    for (std::size_t i = 0; i < 3; ++i)
+      for (bool lit : {true, false}) {
+        const double mu = i == 0 ? 1 : i == 1 ? 0.5 : 0.2, expected = lit ? exact[i].R : exact[i].T;
+        const Estimate e =
+            estimateOf(renderText(slab(c.albedo, c.g, c.tau, mu, lit, 32)).image, "G");
+        EXPECT_LT(std::abs(e.z(expected)), kMaxZ)
+            << "albedo " << c.albedo << " g " << c.g << " tau " << c.tau << " mu " << mu
+            << (lit ? " R " : " T ") << e.mean << " expected " << expected;
+        EXPECT_LT(e.standardError, 0.05 * expected);
+      }
+  }
+}
+
+TEST(VolPath, OneScatteringIsSingleScattering) {
+  // Against the volume integrator "single", which is tested against quadrature.
+  const std::string world =
+      "LightSource \"point\" \"point from\" [.4 2 .2] \"color I\" [3 3 3]\n"
+      "Volume \"homogeneous\" \"color sigma_a\" [.3 .3 .3] \"color sigma_s\" [2 2 2] \"float g\" "
+      ".6 " +
+      kBox + "\n";
+  const Estimate e =
+      estimateOf(renderText(scene(kFromOutside, world, 256, "\"integer maxdepth\" 1")).image, "G");
+  std::string other = scene(kFromOutside, world, 16);
+  other.replace(other.find("GlobalIntegrator \"volpath\""), 26, "VolumeIntegrator \"single\"");
+  const double single = static_cast<double>(meanOf(renderText(other).image).g);
+  EXPECT_LT(std::abs(e.z(single)), kMaxZ) << e.mean << " against " << single;
+  EXPECT_LT(e.standardError, 0.02 * single);
+}
+
+TEST(VolPath, SurfacesWithoutMediaArePathTraced) {
+  // A closed box of reflectance rho that emits Le: Le / (1 - rho), a geometric series without end.
+  const std::string world =
+      "AreaLightSource \"area\" \"color L\" [.5 .5 .5]\nMaterial \"matte\" \"color Kd\" [.5 .5 "
+      ".5]\n"
+      "ReverseOrientation\nShape \"sphere\" \"float radius\" 2\n";
+  const Estimate e = estimateOf(renderText(scene(kFromInside, world, 64)).image, "G");
+  EXPECT_LT(std::abs(e.z(1)), kMaxZ) << e.mean;
+  EXPECT_LT(e.standardError, 0.01);
+}
+
+TEST(VolPath, ClosedSceneWithoutLossEnds) {
+  const std::string world =
+      "Material \"matte\" \"color Kd\" [1 1 1]\nShape \"sphere\" \"float radius\" 2\n"
+      "Volume \"homogeneous\" \"color sigma_s\" [1 1 1] " +
+      kBox + "\n";
+  std::string text = scene(kFromInside, world, 1);
+  text.replace(text.find("[16] \"integer yres"), 4, "[1]");
+  text.replace(text.find("yresolution\" [16]") + 13, 4, "[1]");
+  EXPECT_EQ(meanOf(renderText(text).image), Rgb());  // nothing shines
+}
+
+TEST(VolPath, DoesNotDependOnThreads) {
+  const std::string text = slab(0.9, 0.75, 2, 0.5, true, 2);
+  std::optional<std::vector<float>> first;
+  for (int threads : {1, 2, 7}) {
+    setThreadCount(threads);
+    const auto image = renderText(text).image;
+    if (!first) first = image.channels.at("G");
+    EXPECT_EQ(image.channels.at("G"), *first);
+  }
+  setThreadCount(0);
+}
+
+}  // namespace
+}  // namespace brume
