@@ -263,22 +263,43 @@ T MipMap<T>::lookup(Vec2 st, Vec2 dst0, Vec2 dst1) const {
          delta * ewa(levels_[i + 1], st, dst0, dst1);
 }
 
+/// The weights of the texels of one row in turn: the quadratic r^2(s) by its differences.
 template <class T>
-template <class Weight>
-void MipMap<T>::accumulateRow(const Level& level, int t, int s0, int s1, const Weight& weight,
-                              T& sum, float& sumWeights) const {
+class MipMap<T>::RowWeights {
+ public:
+  RowWeights(float r2, float step, float stepOfStep)
+      : index_(r2 * kWeightTableSize),
+        step_(step * kWeightTableSize),
+        stepOfStep_(stepOfStep * kWeightTableSize) {}
+  float next() {
+    // The last entry is 0: texels that rounding lets in from outside count nothing.
+    constexpr float kLast = kWeightTableSize - 1;
+    const float below = index_ < kLast ? index_ : kLast;
+    const float index = below > 0.f ? below : 0.f;
+    index_ += step_;
+    step_ += stepOfStep_;
+    return kGaussian[static_cast<std::size_t>(static_cast<int>(index))];
+  }
+
+ private:
+  float index_, step_, stepOfStep_;
+};
+
+template <class T>
+inline void MipMap<T>::accumulateRow(const Level& level, int t, int s0, int s1, RowWeights weights,
+                                     T& sum, float& sumWeights) const {
   const int row = wrapIndex(t, level.height, settings_.wrap);
   const T* texels = level.row(std::max(row, 0));
   if (row >= 0 && s0 >= 0 && s1 < level.width) {
     for (int s = s0; s <= s1; ++s) {
-      const float w = weight(s);
+      const float w = weights.next();
       sumWeights += w;
       sum += texels[s] * w;
     }
     return;
   }
   for (int s = s0; s <= s1; ++s) {
-    const float w = weight(s);
+    const float w = weights.next();
     sumWeights += w;
     const int column = wrapIndex(s, level.width, settings_.wrap);
     if (row >= 0 && column >= 0) sum += texels[column] * w;
@@ -312,14 +333,9 @@ T MipMap<T>::ewa(const Level& level, Vec2 st, Vec2 dst0, Vec2 dst1) const {
     const float middle = center.x - .5f * b * invA;
     const float half = safeSqrt(A - invF * dt * dt) * invA;
     const int s0 = ceilToInt(middle - half), s1 = floorToInt(middle + half);
-    const auto weight = [&](int s) {
-      const float ds = static_cast<float>(s) - center.x;
-      const float r2 = (A * ds + b) * ds + c;
-      // The last entry is 0: texels that rounding lets in from outside count nothing.
-      const float index = std::min(std::max(r2 * kWeightTableSize, 0.f), kWeightTableSize - 1.f);
-      return kGaussian[static_cast<std::size_t>(static_cast<int>(index))];
-    };
-    accumulateRow(level, t, s0, s1, weight, sum, sumWeights);
+    const float ds = static_cast<float>(s0) - center.x;
+    const RowWeights weights{(A * ds + b) * ds + c, A * (2 * ds + 1) + b, 2 * A};
+    accumulateRow(level, t, s0, s1, weights, sum, sumWeights);
   }
   // The widened ellipse always covers the texel nearest to its centre; only an overflow misses it.
   return sumWeights > 0 ? sum / sumWeights : bilinear(level, st);

@@ -77,7 +77,7 @@ float Quadric::area() const {
   for (int i = 0; i < cells; ++i)
     for (int j = 0; j < cells; ++j) {
       const Vec2 u((static_cast<float>(i) + 0.5f) * cell, (static_cast<float>(j) + 0.5f) * cell);
-      sum += areaRatio(normal(sampleObject(u)));
+      sum += areaRatio(local(sampleObject(u)).n);
     }
   return static_cast<float>(objectArea_ * sum / (cells * cells));
 }
@@ -140,15 +140,18 @@ SurfaceInteraction Quadric::interaction(const Ray& ray, const ShapeHit& hit) con
   return si;
 }
 
-ShapeSample Quadric::sampleAt(const Vec3d& object) const {
+ShapeSample Quadric::sampleAt(const Vec3d& object, const Vec3d& n) const {
   ShapeSample sample;
   sample.p = toShape(object, &sample.pError);
-  sample.n = Vec3(normalToShape(normal(object)));
+  sample.n = Vec3(normalToShape(n));
   return sample;
 }
 
 ShapeSample Quadric::sampleArea(Vec2 u) const {
-  ShapeSample sample = sampleAt(sampleObject(u));
+  const Vec3d object = sampleObject(u);
+  const Local at = local(object);
+  ShapeSample sample = sampleAt(object, at.n);
+  sample.uv = {static_cast<float>(at.u), static_cast<float>(at.v)};
   sample.pdf = pdfArea(sample.p, sample.n);
   return sample;
 }

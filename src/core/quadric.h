@@ -61,8 +61,6 @@ class Quadric : public Shape {
   /// Whether a point of the unclipped surface belongs to the shape.
   virtual bool exists(const Vec3d& p) const = 0;
   virtual Local local(const Vec3d& p) const = 0;
-  /// local(p).n, for shapes that know it without the rest.
-  virtual Vec3d normal(const Vec3d& p) const { return local(p).n; }
   /// A point uniform by area in object space.
   virtual Vec3d sampleObject(Vec2 u) const = 0;
 
@@ -75,8 +73,9 @@ class Quadric : public Shape {
   Vec3d vectorToObject(const Vec3d& v) const;
   /// |det| of the map from shape to object space.
   double objectVolumeRatio() const { return 1 / volumeRatio_; }
-  /// A sample at a point of the surface given in object space; pdf left to the caller.
-  ShapeSample sampleAt(const Vec3d& object) const;
+  /// A sample at a point of the surface and its unit normal there, in object space; pdf and uv
+  /// left to the caller.
+  ShapeSample sampleAt(const Vec3d& object, const Vec3d& n) const;
 
  private:
   Vec3 toShape(const Vec3d& object, Vec3* error) const;

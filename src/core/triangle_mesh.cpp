@@ -276,9 +276,11 @@ ShapeSample TriangleMesh::sampleArea(Vec2 u) const {
   const Corners c = corners(triangle);
   const Plane plane(c.p0, c.p1, c.p2);
   ShapeSample sample;
-  sample.p = plane.point(b.y, std::max(0.f, 1 - b.x - b.y));
+  const float b1 = b.y, b2 = std::max(0.f, 1 - b.x - b.y);
+  sample.p = plane.point(b1, b2);
   sample.pError = pointError(sample.p, plane);
   if (!plane.isDegenerate()) sample.n = Vec3(flipsNormal_ ? -plane.n : plane.n);
+  sample.uv = uvAt(triangle, b1, b2);
   sample.pdf = static_cast<float>(1 / area_);
   return sample;
 }

@@ -59,7 +59,6 @@ class Sphere final : public Quadric {
     return !(cutsBelow_ && p.z < zMin_) && !(cutsAbove_ && p.z > zMax_) && phiExists(p.x, p.y);
   }
   Local local(const Vec3d& p) const override;
-  Vec3d normal(const Vec3d& p) const override { return p * (1 / radius_); }
   Vec3d sampleObject(Vec2 u) const override {
     const double z = zMin_ + (zMax_ - zMin_) * u.x, phi = phiMax() * u.y;
     const double radius = std::sqrt(std::max(0.0, radius_ * radius_ - z * z));
@@ -111,18 +110,20 @@ std::optional<ShapeSample> Sphere::sampleSolidAngle(const Vec3& ref, Vec2 u) con
   const double sin2 = oneMinusCos * (2 - oneMinusCos);
   const double distance = length(from);
   const float phi = 2.f * kPi * u.y;
-  const Vec3d axis = from * (-1 / distance);
-  const Vec3d side = normalize(std::abs(axis.x) > std::abs(axis.y) ? Vec3d(-axis.z, 0, axis.x)
-                                                                   : Vec3d(0, axis.z, -axis.y));
-  const Vec3d up = cross(axis, side);
+  const Vec3d axis = from * (1 / distance);
+  const Vec3d side = normalize(std::abs(axis.x) > std::abs(axis.y) ? Vec3d(axis.z, 0, -axis.x)
+                                                                   : Vec3d(0, -axis.z, axis.y));
+  const Vec3d up = cross(side, axis);
   const Vec3d around = side * double{std::cos(phi)} + up * double{std::sin(phi)};
-  const Vec3d w = axis * cosTheta + around * std::sqrt(sin2);
 
-  // Where it enters the sphere.
-  const double inside = radius_ * radius_ - distance * distance * sin2;
-  const double t = distance * cosTheta - std::sqrt(std::max(0.0, inside));
-  const Vec3d p = from + w * t;
-  ShapeSample sample = sampleAt(p * (radius_ / length(p)));
+  // Where it enters the sphere: alpha is the angle there, seen from the sphere's centre, between
+  // the reference point and the point of entry.
+  const double relativeDistance = distance / radius_;
+  const double inside = std::max(0.0, 1 - sin2 * relativeDistance * relativeDistance);
+  const double cosAlpha = sin2 * relativeDistance + cosTheta * std::sqrt(inside);
+  const double sinAlpha = std::sqrt(std::max(0.0, 1 - cosAlpha * cosAlpha));
+  const Vec3d n = axis * cosAlpha + around * sinAlpha;
+  ShapeSample sample = sampleAt(n * radius_, n);
   const Vec3d toLight = Vec3d(sample.p) - Vec3d(ref);
   const double d = length(toLight);
   if (!(d > 0)) return std::nullopt;
