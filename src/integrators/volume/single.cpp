@@ -22,9 +22,9 @@ enum class Method { Mis, March };
 ///   Lv = Int Tr(0,t) [Le(t) + sigma_s(t) Int_S2 p(w', w) L_light(x_t, w') V Tr dw'] dt
 ///                                                                       [W m^-2 sr^-1]
 /// Emission and all transmittances are exact. method "mis": `samples` distances per ray, each for
-/// one light chosen by the irradiance it sheds along the ray. Distances follow a table of what the
-/// light is estimated to scatter (equiangular within), mixed with transmittance sampling; light and
-/// phase function sampling are combined by the balance heuristic. Unbiased.
+/// one light chosen by the irradiance it sheds along the ray. Distances are spread
+/// evenly by equiangular and transmittance sampling, light and phase function sampling give the
+/// direction; both pairs are combined by the balance heuristic. Unbiased.
 /// method "march": PBRT-v2's fixed steps with a random offset and a light chosen evenly, for
 /// comparison; unbiased too, because the transmittance reaches the end of the ray here.
 /// Surfaces of any kind cast shadows, glass too (PBRT-v2).
