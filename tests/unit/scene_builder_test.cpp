@@ -300,7 +300,8 @@ TEST(SceneBuilder, UnknownPluginsAreErrors) {
   for (const char* directive : {"LightSource", "AreaLightSource", "Volume", "Material", "Shape"})
     EXPECT_THAT(errorOf(std::string(directive) + " \"nothing\""),
                 testing::HasSubstr("unknown " + std::string(directive) + " \"nothing\""));
-  EXPECT_THAT(errorOf("Texture \"t\" \"color\" \"nothing\""), testing::HasSubstr("unknown Texture spectrum \"nothing\""));
+  EXPECT_THAT(errorOf("Texture \"t\" \"color\" \"nothing\""),
+              testing::HasSubstr("unknown Texture spectrum \"nothing\""));
   EXPECT_THAT(errorOf("Texture \"t\" \"colour\" \"constant\""),
               testing::HasSubstr("3:13: 'colour' is no texture type: 'float', 'color' or "
                                  "'spectrum' (did you mean 'color'?)"));
