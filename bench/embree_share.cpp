@@ -4,9 +4,10 @@
 //   brume_embree_share [--spp N] [--integrator NAME] SCENE.pbrt ...
 //
 // The processor's time is sampled: at each tick of the profiling clock the handler looks whether
-// the program counter lies in Embree's library. Callbacks from Embree into brume (quadrics, alpha
-// textures) count as brume's.
-#include <dlfcn.h>
+// the program counter, or that of a caller, lies in Embree's library. Callbacks from Embree into
+// brume (quadrics, alpha textures, moving instances) are part of the intersection and count as
+// inside; their share is printed by itself as well.
+#include <execinfo.h>
 #include <fmt/format.h>
 #include <link.h>
 #include <signal.h>
@@ -27,7 +28,9 @@ using namespace brume;
 constexpr int kTicksPerSecond = 997;  // a prime: not in step with anything else
 
 std::uintptr_t embreeBegin = 0, embreeEnd = 0;
-std::atomic<std::uint64_t> ticks{0}, ticksInEmbree{0};
+std::atomic<std::uint64_t> ticks{0}, ticksInEmbree{0}, ticksInCallbacks{0};
+
+bool isInEmbree(std::uintptr_t pc) { return pc >= embreeBegin && pc < embreeEnd; }
 
 /// Finds the executable segments of Embree's library among those that are loaded.
 int findEmbree(dl_phdr_info* info, std::size_t, void*) {
@@ -51,7 +54,24 @@ void onTick(int, siginfo_t*, void* context) {
   const auto pc = static_cast<std::uintptr_t>(machine->pc);
 #endif
   ticks.fetch_add(1, std::memory_order_relaxed);
-  if (pc >= embreeBegin && pc < embreeEnd) ticksInEmbree.fetch_add(1, std::memory_order_relaxed);
+  if (isInEmbree(pc)) {
+    ticksInEmbree.fetch_add(1, std::memory_order_relaxed);
+    return;
+  }
+  // A callback has Embree among its callers, a few frames up.
+  void* callers[24];
+  const int depth = backtrace(callers, std::size(callers));
+  for (int i = 0; i < depth; ++i)
+    if (isInEmbree(reinterpret_cast<std::uintptr_t>(callers[i]))) {
+      ticksInCallbacks.fetch_add(1, std::memory_order_relaxed);
+      return;
+    }
+}
+
+/// The first call loads the unwinder, which a signal handler must not do.
+void loadUnwinder() {
+  void* callers[1];
+  backtrace(callers, 1);
 }
 
 void setClock(int perSecond) {
@@ -66,18 +86,20 @@ void measure(const std::string& file, const RenderSettings& settings) {
   Log log(quiet);
   parseSceneFile(file, {}, log, [&](SceneDescription description) {
     RenderJob job(std::move(description), settings, log);
-    ticks = ticksInEmbree = 0;
+    ticks = ticksInEmbree = ticksInCallbacks = 0;
     setClock(kTicksPerSecond);
     const RenderResult result = job.run(std::atomic<bool>{false}, {});
     setClock(0);
-    const double share =
-        static_cast<double>(ticksInEmbree) / std::max<double>(1, static_cast<double>(ticks));
+    const double all = std::max<double>(1, static_cast<double>(ticks));
+    const double callbacks = static_cast<double>(ticksInCallbacks) / all;
+    const double share = static_cast<double>(ticksInEmbree) / all + callbacks;
     const auto rays =
         static_cast<double>(result.stats[Stat::IntersectionRays] + result.stats[Stat::ShadowRays]);
     fmt::print(
         "{{\"scene\": \"{}\", \"seconds\": {:.2f}, \"ticks\": {}, \"embree_share\": {:.3f}, "
-        "\"rays_per_second\": {:.0f}, \"rays_per_second_in_embree\": {:.0f}}}\n",
-        file, result.seconds, ticks.load(), share, rays / result.seconds,
+        "\"callback_share\": {:.3f}, \"rays_per_second\": {:.0f}, \"rays_per_second_in_embree\": "
+        "{:.0f}}}\n",
+        file, result.seconds, ticks.load(), share, callbacks, rays / result.seconds,
         rays / (result.seconds * share));
   });
 }
@@ -99,6 +121,7 @@ int main(int argc, char** argv) try {
       scenes.push_back(argument);
   }
   dl_iterate_phdr(findEmbree, nullptr);
+  loadUnwinder();
   BRUME_CHECK(embreeEnd > embreeBegin);
   struct sigaction action {};
   action.sa_sigaction = onTick;

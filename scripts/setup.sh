@@ -41,20 +41,19 @@ build_jobs() {
   echo $((processors < by_memory ? processors : by_memory))
 }
 
-# build PRESET FOLDER [TARGET...]: configures once, with $cmake_options, then lets ninja decide. Shows
-# the progress of a first build; silent when nothing is to do.
+# build PRESET FOLDER [TARGET...]: configures once, with $cmake_options, then lets ninja decide; silent
+# when nothing is to do.
 cmake_options=()
 build() {
-  local preset=$1 folder=$2 gib=1 launcher=() quiet=() log
+  local preset=$1 folder=$2 gib=1 launcher=() log
   shift 2
   if [[ $preset != release ]]; then gib=2; fi
-  if [[ -f $root/$folder/build.ninja ]]; then
-    quiet=(--quiet)
-  else
+  if [[ ! -f $root/$folder/build.ninja ]]; then
     if command -v ccache >/dev/null; then launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache); fi
     log=$(cd "$root" &&
       cmake --preset "$preset" -B "$folder" "${launcher[@]}" "${cmake_options[@]}" 2>&1) ||
       { printf '%s\n' "$log" >&2; exit 2; }
   fi
-  ninja -C "$root/$folder" -j "$(build_jobs "$gib")" "${quiet[@]}" "$@" >&2 || exit 2
+  ninja -C "$root/$folder" -j "$(build_jobs "$gib")" "$@" |
+    sed -u '/^ninja: \(Entering\|no work\)/d; /Re-checking globbed/d' >&2 || exit 2
 }

@@ -9,9 +9,16 @@ namespace {
 
 /// The next float above x (below, for step = -1); x finite.
 float nextFloat(float x, int step) {
-  if (x == 0.f) return step > 0 ? 0x1p-149f : -0x1p-149f;
   const auto bits = std::bit_cast<std::int32_t>(x);
-  return std::bit_cast<float>(bits + ((x > 0.f) == (step > 0) ? 1 : -1));
+  const float next = std::bit_cast<float>(bits + ((x > 0.f) == (step > 0) ? 1 : -1));
+  const float nextToZero = step > 0 ? 0x1p-149f : -0x1p-149f;
+  return x == 0.f ? nextToZero : next;
+}
+
+/// origin + offset, rounded away from the origin.
+float movedBy(float offset, float origin) {
+  const float moved = origin + offset;
+  return offset == 0.f ? moved : nextFloat(moved, offset > 0.f ? 1 : -1);
 }
 
 /// Solves [a b] (x, y)^T = r for columns a, b of two rows; zero when singular.
@@ -28,10 +35,7 @@ Vec2 solve2x2(Vec2 a, Vec2 b, Vec2 r) {
 Vec3 offsetRayOrigin(const Vec3& p, const Vec3& pError, const Vec3& n, const Vec3& w) {
   const float distance = dot(abs(n), pError);
   const Vec3 offset = n * (dot(w, n) < 0.f ? -distance : distance);
-  Vec3 origin = p + offset;
-  for (int i = 0; i < 3; ++i)
-    if (offset[i] != 0.f) origin[i] = nextFloat(origin[i], offset[i] > 0.f ? 1 : -1);
-  return origin;
+  return {movedBy(offset.x, p.x), movedBy(offset.y, p.y), movedBy(offset.z, p.z)};
 }
 
 Vec3 SurfaceInteraction::offsetOrigin(const Vec3& w) const {

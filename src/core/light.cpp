@@ -30,12 +30,12 @@ float smallestOneMinusCos(const Vec3& position, const Vec3& axis, const Bounds3&
 
 std::optional<LightSample> samplePosition(const Vec3& p, const Vec3& lightPosition) {
   const Vec3d d = Vec3d(lightPosition) - Vec3d(p);
-  const double squared = dot(d, d), distance = std::sqrt(squared);
-  const float inverse = static_cast<float>(1 / squared);
+  const double squared = dot(d, d), distance = std::sqrt(squared), inverseDistance = 1 / distance;
+  const float inverse = static_cast<float>(inverseDistance * inverseDistance);
   if (!std::isfinite(inverse)) return std::nullopt;
   LightSample sample;
   sample.L = Rgb(inverse);
-  sample.wi = Vec3(d / distance);
+  sample.wi = Vec3(d * inverseDistance);
   sample.pdf = 1;
   sample.distance = static_cast<float>(distance);
   sample.p = lightPosition;

@@ -14,8 +14,7 @@ constexpr std::uint32_t reverseBits(std::uint32_t v) {
   v = ((v & 0x55555555u) << 1) | ((v >> 1) & 0x55555555u);
   v = ((v & 0x33333333u) << 2) | ((v >> 2) & 0x33333333u);
   v = ((v & 0x0f0f0f0fu) << 4) | ((v >> 4) & 0x0f0f0f0fu);
-  v = ((v & 0x00ff00ffu) << 8) | ((v >> 8) & 0x00ff00ffu);
-  return (v << 16) | (v >> 16);
+  return __builtin_bswap32(v);
 }
 
 /// Owen's nested uniform scramble of a number whose bits are reversed: each bit flips by a hash of

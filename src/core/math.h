@@ -74,14 +74,14 @@ inline float lengthSquared(const Vec3& v) { return dot(v, v); }
 inline float length(const Vec3& v) { return std::sqrt(dot(v, v)); }
 inline double length(const Vec3d& v) { return std::sqrt(dot(v, v)); }
 inline Vec3 normalize(const Vec3& v) { return v * (1.f / length(v)); }
-inline Vec3d normalize(const Vec3d& v) { return v / length(v); }
+inline Vec3d normalize(const Vec3d& v) { return v * (1 / length(v)); }
 /// Unit vector along v; safe for lengths whose square under- or overflows; none for the zero or a
 /// non-finite vector.
 inline std::optional<Vec3> tryNormalize(const Vec3& v) {
   const Vec3d d(v);
   const double l = length(d);
   if (!(l > 0) || !std::isfinite(l)) return std::nullopt;
-  return Vec3(d / l);
+  return Vec3(d * (1 / l));
 }
 inline float distance(const Vec3& a, const Vec3& b) { return length(a - b); }
 inline Vec3 abs(const Vec3& v) { return {std::abs(v.x), std::abs(v.y), std::abs(v.z)}; }

@@ -21,6 +21,7 @@ void MediumAlongRay::assign(const Volume& volume, const Ray& ray, Interval range
   ray_ = ray;
   range_ = range;
   maxAlbedo_ = Rgb();
+  isGrey_ = true;
   pieces_.clear();
   indices_.clear();
   spans_.clear();
@@ -53,9 +54,17 @@ void MediumAlongRay::findMaxAlbedo() {
     if (p.unit == last) continue;
     last = p.unit;
     const Rgb sigma_t = last->sigma_t();
+    isGrey_ &= sigma_t.r == sigma_t.g && sigma_t.g == sigma_t.b;
     for (int c = 0; c < 3; ++c)
       if (sigma_t[c] > 0) maxAlbedo_[c] = std::max(maxAlbedo_[c], last->sigma_s[c] / sigma_t[c]);
   }
+}
+
+Interval MediumAlongRay::occupied() const {
+  if (spans_.empty()) return {range_.t1, range_.t1};
+  const auto t0 = static_cast<float>(spans_.front().t0), t1 = static_cast<float>(spans_.back().t1);
+  return {std::max(range_.t0, std::nextafter(t0, -kInfinity)),
+          std::min(range_.t1, std::nextafter(t1, kInfinity))};
 }
 
 void MediumAlongRay::sweepOverlaps() {

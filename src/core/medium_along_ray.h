@@ -47,6 +47,14 @@ class MediumAlongRay {
   bool isEmpty() const { return spans_.empty(); }
   /// No sigma_s / sigma_t along the ray is larger, per channel.
   const Rgb& maxAlbedo() const { return maxAlbedo_; }
+  /// All media along the ray have the same sigma_t in all channels.
+  bool isGrey() const { return isGrey_; }
+  /// The medium is one piece of exponential (or constant) density.
+  bool isSmooth() const {
+    return pieces_.size() == 1 && pieces_.front().form == MediumPiece::Form::Exponential;
+  }
+  /// The range without empty ends, rounded outwards; empty without medium.
+  Interval occupied() const;
   const Ray& ray() const { return ray_; }
 
  private:
@@ -74,6 +82,7 @@ class MediumAlongRay {
   Ray ray_;
   Interval range_;
   Rgb maxAlbedo_;
+  bool isGrey_ = true;
   std::vector<MediumPiece> pieces_;
   std::vector<std::uint32_t> indices_;
   std::vector<Span> spans_;

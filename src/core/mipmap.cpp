@@ -151,6 +151,13 @@ float toIndexable(float x) {
   return x >= -kFar ? std::min(x, kFar) : -kFar;
 }
 
+/// For |x| far below 2^31; std::floor is a call on machines without SSE 4.1.
+int floorToInt(float x) {
+  const int truncated = static_cast<int>(x);
+  return truncated - (static_cast<float>(truncated) > x ? 1 : 0);
+}
+int ceilToInt(float x) { return -floorToInt(-x); }
+
 }  // namespace
 
 template <class T>
@@ -182,8 +189,7 @@ T MipMap<T>::wrapped(const Level& level, int s, int t) const {
   s = wrapIndex(s, level.width, settings_.wrap);
   t = wrapIndex(t, level.height, settings_.wrap);
   if (s < 0 || t < 0) return T{};
-  return level.texels[static_cast<std::size_t>(t) * static_cast<std::size_t>(level.width) +
-                      static_cast<std::size_t>(s)];
+  return level.row(t)[s];
 }
 
 template <class T>
@@ -193,6 +199,8 @@ T MipMap<T>::texel(int level, int s, int t) const {
 
 template <class T>
 Vec2 MipMap<T>::wrapPoint(Vec2 st) const {
+  const bool inside = st.x >= 0 && st.x < 1 && st.y >= 0 && st.y < 1;
+  if (inside) return st;
   if (settings_.wrap == WrapMode::Repeat) st -= Vec2(std::floor(st.x), std::floor(st.y));
   return {toIndexable(st.x), toIndexable(st.y)};
 }
@@ -200,11 +208,18 @@ Vec2 MipMap<T>::wrapPoint(Vec2 st) const {
 template <class T>
 T MipMap<T>::bilinear(const Level& level, Vec2 st) const {
   const Vec2 p = scaled(st, level.width, level.height) - Vec2(.5f);
-  const float fs = std::floor(p.x), ft = std::floor(p.y);
-  const int s = static_cast<int>(fs), t = static_cast<int>(ft);
-  const float ds = p.x - fs, dt = p.y - ft;
-  return (1 - ds) * (1 - dt) * wrapped(level, s, t) + (1 - ds) * dt * wrapped(level, s, t + 1) +
-         ds * (1 - dt) * wrapped(level, s + 1, t) + ds * dt * wrapped(level, s + 1, t + 1);
+  const int s = floorToInt(p.x), t = floorToInt(p.y);
+  const float ds = p.x - static_cast<float>(s), dt = p.y - static_cast<float>(t);
+  const auto blend = [&](const T& v00, const T& v01, const T& v10, const T& v11) {
+    return (1 - ds) * (1 - dt) * v00 + (1 - ds) * dt * v01 + ds * (1 - dt) * v10 + ds * dt * v11;
+  };
+  if (s >= 0 && t >= 0 && s + 1 < level.width && t + 1 < level.height) {
+    const T* row = level.row(t);
+    const T* next = row + level.width;
+    return blend(row[s], next[s], row[s + 1], next[s + 1]);
+  }
+  return blend(wrapped(level, s, t), wrapped(level, s, t + 1), wrapped(level, s + 1, t),
+               wrapped(level, s + 1, t + 1));
 }
 
 template <class T>
@@ -248,23 +263,43 @@ T MipMap<T>::lookup(Vec2 st, Vec2 dst0, Vec2 dst1) const {
          delta * ewa(levels_[i + 1], st, dst0, dst1);
 }
 
+/// The weights of the texels of one row in turn: the quadratic r^2(s) by its differences.
 template <class T>
-template <class Weight>
-void MipMap<T>::accumulateRow(const Level& level, int t, int s0, int s1, const Weight& weight,
-                              T& sum, float& sumWeights) const {
+class MipMap<T>::RowWeights {
+ public:
+  RowWeights(float r2, float step, float stepOfStep)
+      : index_(r2 * kWeightTableSize),
+        step_(step * kWeightTableSize),
+        stepOfStep_(stepOfStep * kWeightTableSize) {}
+  float next() {
+    // The last entry is 0: texels that rounding lets in from outside count nothing.
+    constexpr float kLast = kWeightTableSize - 1;
+    const float below = index_ < kLast ? index_ : kLast;
+    const float index = below > 0.f ? below : 0.f;
+    index_ += step_;
+    step_ += stepOfStep_;
+    return kGaussian[static_cast<std::size_t>(static_cast<int>(index))];
+  }
+
+ private:
+  float index_, step_, stepOfStep_;
+};
+
+template <class T>
+inline void MipMap<T>::accumulateRow(const Level& level, int t, int s0, int s1, RowWeights weights,
+                                     T& sum, float& sumWeights) const {
   const int row = wrapIndex(t, level.height, settings_.wrap);
-  const T* texels = level.texels.data() + static_cast<std::size_t>(std::max(row, 0)) *
-                                              static_cast<std::size_t>(level.width);
+  const T* texels = level.row(std::max(row, 0));
   if (row >= 0 && s0 >= 0 && s1 < level.width) {
     for (int s = s0; s <= s1; ++s) {
-      const float w = weight(s);
+      const float w = weights.next();
       sumWeights += w;
       sum += texels[s] * w;
     }
     return;
   }
   for (int s = s0; s <= s1; ++s) {
-    const float w = weight(s);
+    const float w = weights.next();
     sumWeights += w;
     const int column = wrapIndex(s, level.width, settings_.wrap);
     if (row >= 0 && column >= 0) sum += texels[column] * w;
@@ -289,23 +324,18 @@ T MipMap<T>::ewa(const Level& level, Vec2 st, Vec2 dst0, Vec2 dst1) const {
 
   T sum{};
   float sumWeights = 0;
-  const int tEnd = static_cast<int>(std::floor(center.y + tExtent));
-  for (int t = static_cast<int>(std::ceil(center.y - tExtent)); t <= tEnd; ++t) {
+  const float invA = 1 / A;
+  const int tEnd = floorToInt(center.y + tExtent);
+  for (int t = ceilToInt(center.y - tExtent); t <= tEnd; ++t) {
     // The texels of this row inside the ellipse: the roots of the quadratic in s.
     const float dt = static_cast<float>(t) - center.y;
     const float b = B * dt, c = C * dt * dt;
-    const float middle = -b / (2 * A);
-    const float half = safeSqrt(A - invF * dt * dt) / A;
-    const int s0 = static_cast<int>(std::ceil(center.x + middle - half));
-    const int s1 = static_cast<int>(std::floor(center.x + middle + half));
-    const auto weight = [&](int s) {
-      const float ds = static_cast<float>(s) - center.x;
-      const float r2 = A * ds * ds + b * ds + c;
-      // The last entry is 0: texels that rounding lets in from outside count nothing.
-      const float index = std::clamp(r2 * kWeightTableSize, 0.f, kWeightTableSize - 1.f);
-      return kGaussian[static_cast<std::size_t>(static_cast<int>(index))];
-    };
-    accumulateRow(level, t, s0, s1, weight, sum, sumWeights);
+    const float middle = center.x - .5f * b * invA;
+    const float half = safeSqrt(A - invF * dt * dt) * invA;
+    const int s0 = ceilToInt(middle - half), s1 = floorToInt(middle + half);
+    const float ds = static_cast<float>(s0) - center.x;
+    const RowWeights weights{(A * ds + b) * ds + c, A * (2 * ds + 1) + b, 2 * A};
+    accumulateRow(level, t, s0, s1, weights, sum, sumWeights);
   }
   // The widened ellipse always covers the texel nearest to its centre; only an overflow misses it.
   return sumWeights > 0 ? sum / sumWeights : bilinear(level, st);

@@ -48,13 +48,16 @@ class MipMap {
   struct Level {
     int width, height;
     std::vector<T> texels;
+    const T* row(int t) const {
+      return texels.data() + static_cast<std::size_t>(t) * static_cast<std::size_t>(width);
+    }
   };
 
   T bilinear(const Level& level, Vec2 st) const;
   T ewa(const Level& level, Vec2 st, Vec2 dst0, Vec2 dst1) const;
-  /// Sum of weight(s) * texel over texels s0..s1 of row t, wrapped.
-  template <class Weight>
-  void accumulateRow(const Level& level, int t, int s0, int s1, const Weight& weight, T& sum,
+  class RowWeights;
+  /// Sum of weight * texel over texels s0..s1 of row t, wrapped.
+  void accumulateRow(const Level& level, int t, int s0, int s1, RowWeights weights, T& sum,
                      float& sumWeights) const;
   T wrapped(const Level& level, int s, int t) const;
   Vec2 wrapPoint(Vec2 st) const;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/quadric.h"
 
-
 namespace brume {
 
 namespace {
@@ -138,22 +137,21 @@ SurfaceInteraction Quadric::interaction(const Ray& ray, const ShapeHit& hit) con
   setNormalDerivatives(dpdu, dpdv, vectorToShape(at.duu), vectorToShape(at.duv),
                        vectorToShape(at.dvv), n, si.geometry);
   si.shading = si.geometry;
-  si.wo = tryNormalize(-ray.d).value_or(si.n);
-  si.time = ray.time;
   return si;
 }
 
-ShapeSample Quadric::sampleAt(const Vec3d& object) const {
-  const Local at = local(object);
+ShapeSample Quadric::sampleAt(const Vec3d& object, const Vec3d& n) const {
   ShapeSample sample;
   sample.p = toShape(object, &sample.pError);
-  sample.n = Vec3(normalToShape(at.n));
-  sample.uv = {static_cast<float>(at.u), static_cast<float>(at.v)};
+  sample.n = Vec3(normalToShape(n));
   return sample;
 }
 
 ShapeSample Quadric::sampleArea(Vec2 u) const {
-  ShapeSample sample = sampleAt(sampleObject(u));
+  const Vec3d object = sampleObject(u);
+  const Local at = local(object);
+  ShapeSample sample = sampleAt(object, at.n);
+  sample.uv = {static_cast<float>(at.u), static_cast<float>(at.v)};
   sample.pdf = pdfArea(sample.p, sample.n);
   return sample;
 }

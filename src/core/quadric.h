@@ -73,8 +73,9 @@ class Quadric : public Shape {
   Vec3d vectorToObject(const Vec3d& v) const;
   /// |det| of the map from shape to object space.
   double objectVolumeRatio() const { return 1 / volumeRatio_; }
-  /// A sample at a point of the surface given in object space; pdf left to the caller.
-  ShapeSample sampleAt(const Vec3d& object) const;
+  /// A sample at a point of the surface and its unit normal there, in object space; pdf and uv
+  /// left to the caller.
+  ShapeSample sampleAt(const Vec3d& object, const Vec3d& n) const;
 
  private:
   Vec3 toShape(const Vec3d& object, Vec3* error) const;

@@ -58,7 +58,7 @@ Ray segment(const Vec3& from, const Vec3& to, const Vec3& n, float time) {
   const Vec3d d = Vec3d(to) - Vec3d(from);
   const double l = length(d);
   if (!(l > 0)) return {from, Vec3(0, 0, 1), 0.f, time};
-  const Vec3 direction(d / l);
+  const Vec3 direction(d * (1 / l));
   // The direction's rounding moves the far end sideways by that much of the length, which on a
   // surface seen at a grazing angle is more along the ray.
   const double cosine = std::abs(dot(Vec3d(direction), Vec3d(n)));
@@ -97,25 +97,26 @@ Scene::Scene(Contents contents) : contents_(std::move(contents)) {
 }
 
 std::optional<SurfaceInteraction> Scene::intersect(const FootprintRay& ray, Stats& stats) const {
+  std::optional<SurfaceInteraction> found;
   stats.add(Stat::IntersectionRays);
   const std::optional<SceneHit> hit = accelerator_->intersect(ray);
-  if (!hit) return std::nullopt;
+  if (!hit) return found;
 
   const Primitive& primitive = *hit->primitive;
-  SurfaceInteraction si;
   if (hit->instance) {
     const Transform groupToScene = hit->instance->groupToParent.at(ray.time);
-    si = primitive.shape->interaction(groupToScene.inverse().ray(ray), hit->shape);
-    transformInteraction(groupToScene, si);
+    found = primitive.shape->interaction(groupToScene.inverse().ray(ray), hit->shape);
+    transformInteraction(groupToScene, *found);
   } else {
-    si = primitive.shape->interaction(ray, hit->shape);
+    found = primitive.shape->interaction(ray, hit->shape);
   }
+  SurfaceInteraction& si = *found;
   si.wo = -ray.d;
   si.time = ray.time;
   si.material = primitive.material;
   si.areaLight = primitive.areaLight;
   si.computeFootprint(ray, Vec3(contents_.sceneOrigin));
-  return si;
+  return found;
 }
 
 bool Scene::isOccluded(const Ray& ray, Stats& stats) const {

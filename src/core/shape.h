@@ -22,8 +22,8 @@ struct ShapeSample {
   Vec3 p{0};
   Vec3 pError{0};
   Vec3 n{0, 0, 1};  ///< unit, on the side that the hit normal shows
-  Vec2 uv{0};
-  float pdf = 0;  ///< solid angle at the reference point, or per area for sampleArea
+  Vec2 uv{0};       ///< set by sampleArea only: nothing needs that of a point seen from another
+  float pdf = 0;    ///< solid angle at the reference point, or per area for sampleArea
 };
 
 class TriangleMesh;
@@ -51,8 +51,8 @@ class Shape {
   virtual const TriangleMesh* mesh() const { return nullptr; }
   /// Other shapes: nearest hit with 0 < t < ray.tMax. The ray's direction need not be normalised.
   virtual std::optional<ShapeHit> intersect(const Ray& ray) const;
-  /// Everything about the hit: p with its error bound, normals, uv, derivatives; wo and time from
-  /// the ray. No material.
+  /// Everything that the shape knows of the hit: p with its error bound, normals, uv, derivatives.
+  /// Not wo, time and material.
   virtual SurfaceInteraction interaction(const Ray& ray, const ShapeHit& hit) const = 0;
 
   /// False: the shape cannot be an area light, and AreaLightSource on it is an error.

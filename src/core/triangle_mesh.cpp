@@ -71,29 +71,39 @@ void transformMesh(MeshData& data, const Transform& t, const SourceLocation& whe
   for (Vec3& s : data.tangents) s = Vec3(m * glm::dvec4(Vec3d(s), 0));
 }
 
+/// A triangle's plane in double.
+struct Plane {
+  Vec3d p0, edge1, edge2;
+  Vec3d n{0};                    // unit, by the winding; 0 for a degenerate triangle
+  double inverseDoubleArea = 0;  // 0 for a degenerate triangle
+
+  Plane(const Vec3& a, const Vec3& b, const Vec3& c)
+      : p0(a), edge1(Vec3d(b) - p0), edge2(Vec3d(c) - p0) {
+    const Vec3d unscaledNormal = cross(edge1, edge2);
+    const double doubleArea = length(unscaledNormal);
+    if (!(doubleArea > 0)) return;
+    inverseDoubleArea = 1 / doubleArea;
+    n = unscaledNormal * inverseDoubleArea;
+  }
+  bool isDegenerate() const { return inverseDoubleArea == 0; }
+  Vec3 point(float u, float v) const {
+    return Vec3(p0 + edge1 * static_cast<double>(u) + edge2 * static_cast<double>(v));
+  }
+};
+
 /// Bound on the error of a point on a triangle: its rounding to float, and how far Embree's float
 /// arithmetic may take the plane from where it is. That measures from a vertex to the ray's origin
 /// along the normal, so it is wrong by some roundings of the edges (first term), and by the
 /// rounding of the normal, which a cross product of long edges makes large for slivers (second
 /// term).
-Vec3 pointError(const Vec3& p, const Vec3d& edge1, const Vec3d& edge2,
-                const Vec3d& unscaledNormal) {
+Vec3 pointError(const Vec3& p, const Plane& plane) {
   constexpr double kEpsilon = kMachineEpsilon;
-  const double doubleArea = length(unscaledNormal);
-  Vec3d extent, crossTerms;
-  for (int i = 0; i < 3; ++i) {
-    const int j = (i + 1) % 3, k = (i + 2) % 3;
-    extent[i] = std::max({std::abs(edge1[i]), std::abs(edge2[i]), std::abs(edge1[i] - edge2[i])});
-    crossTerms[i] = std::abs(edge1[j] * edge2[k]) + std::abs(edge1[k] * edge2[j]);
-  }
-  const double tilt = doubleArea > 0 ? kEpsilon * dot(crossTerms, extent) / doubleArea : 0;
-  Vec3 error;
-  for (int i = 0; i < 3; ++i) {
-    const double n = doubleArea > 0 ? std::abs(unscaledNormal[i]) / doubleArea : 0;
-    error[i] = static_cast<float>(kEpsilon * (1.01 * std::abs(p[i]) + 4 * extent[i]) +
-                                  2 * tilt * n + std::numeric_limits<float>::min());
-  }
-  return error;
+  const Vec3d a = glm::abs(plane.edge1), b = glm::abs(plane.edge2);
+  const Vec3d extent = glm::max(glm::max(a, b), glm::abs(plane.edge1 - plane.edge2));
+  const Vec3d crossTerms(a.y * b.z + a.z * b.y, a.z * b.x + a.x * b.z, a.x * b.y + a.y * b.x);
+  const double tilt = 2 * kEpsilon * dot(crossTerms, extent) * plane.inverseDoubleArea;
+  return Vec3(kEpsilon * (1.01 * glm::abs(Vec3d(p)) + 4.0 * extent) + tilt * glm::abs(plane.n) +
+              Vec3d(std::numeric_limits<float>::min()));
 }
 
 }  // namespace
@@ -167,8 +177,9 @@ SurfaceDerivatives TriangleMesh::derivatives(std::uint32_t triangle, const Vec3&
   const Vec3d dp1 = Vec3d(c.p0) - Vec3d(c.p2), dp2 = Vec3d(c.p1) - Vec3d(c.p2);
   const double determinant = du1 * dv2 - dv1 * du2;
   SurfaceDerivatives result;
-  result.dpdu = Vec3((dp1 * dv2 - dp2 * dv1) / determinant);
-  result.dpdv = Vec3((dp2 * du1 - dp1 * du2) / determinant);
+  const double inverse = 1 / determinant;
+  result.dpdu = Vec3((dp1 * dv2 - dp2 * dv1) * inverse);
+  result.dpdv = Vec3((dp2 * du1 - dp1 * du2) * inverse);
   if (determinant == 0 || !isFinite(result.dpdu) || !isFinite(result.dpdv)) {
     const Frame frame = Frame::fromZ(n);
     result.dpdu = frame.x;
@@ -179,24 +190,20 @@ SurfaceDerivatives TriangleMesh::derivatives(std::uint32_t triangle, const Vec3&
 
 SurfaceInteraction TriangleMesh::interaction(const Ray& ray, const ShapeHit& hit) const {
   const Corners c = corners(hit.primitive);
-  const Vec3d p0(c.p0), edge1 = Vec3d(c.p1) - p0, edge2 = Vec3d(c.p2) - p0;
-  const Vec3d unscaledNormal = cross(edge1, edge2);
+  const Plane plane(c.p0, c.p1, c.p2);
 
   SurfaceInteraction si;
-  si.p = Vec3(p0 + edge1 * static_cast<double>(hit.u) + edge2 * static_cast<double>(hit.v));
-  si.pError = pointError(si.p, edge1, edge2, unscaledNormal);
-  const double doubleArea = length(unscaledNormal);
-  if (doubleArea > 0)
-    si.n = Vec3(unscaledNormal * ((flipsNormal_ ? -1 : 1) / doubleArea));
-  else
+  si.p = plane.point(hit.u, hit.v);
+  si.pError = pointError(si.p, plane);
+  if (plane.isDegenerate())
     si.n = tryNormalize(-ray.d).value_or(Vec3(0, 0, 1));
+  else
+    si.n = Vec3(flipsNormal_ ? -plane.n : plane.n);
   si.uv = uvAt(hit.primitive, hit.u, hit.v);
   si.geometry = derivatives(hit.primitive, si.n);
   si.ns = si.n;
   si.shading = si.geometry;
   if (!data_.normals.empty() || !data_.tangents.empty()) setShading(hit.primitive, hit, si);
-  si.wo = tryNormalize(-ray.d).value_or(si.n);
-  si.time = ray.time;
   return si;
 }
 
@@ -267,14 +274,12 @@ ShapeSample TriangleMesh::sampleArea(Vec2 u) const {
   const Vec2 b = sampleUniformTriangle({std::min(static_cast<float>(rest), kOneMinusEpsilon), u.y});
 
   const Corners c = corners(triangle);
-  const Vec3d p0(c.p0), edge1 = Vec3d(c.p1) - p0, edge2 = Vec3d(c.p2) - p0;
-  const Vec3d unscaledNormal = cross(edge1, edge2);
-  const float b1 = b.y, b2 = std::max(0.f, 1 - b.x - b.y);
+  const Plane plane(c.p0, c.p1, c.p2);
   ShapeSample sample;
-  sample.p = Vec3(p0 + edge1 * static_cast<double>(b1) + edge2 * static_cast<double>(b2));
-  sample.pError = pointError(sample.p, edge1, edge2, unscaledNormal);
-  const double doubleArea = length(unscaledNormal);
-  if (doubleArea > 0) sample.n = Vec3(unscaledNormal * ((flipsNormal_ ? -1 : 1) / doubleArea));
+  const float b1 = b.y, b2 = std::max(0.f, 1 - b.x - b.y);
+  sample.p = plane.point(b1, b2);
+  sample.pError = pointError(sample.p, plane);
+  if (!plane.isDegenerate()) sample.n = Vec3(flipsNormal_ ? -plane.n : plane.n);
   sample.uv = uvAt(triangle, b1, b2);
   sample.pdf = static_cast<float>(1 / area_);
   return sample;

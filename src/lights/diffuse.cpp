@@ -39,7 +39,7 @@ class DiffuseAreaLight final : public AreaLight {
     const double distance = length(d);
     if (!(distance > 0)) return std::nullopt;
     LightSample sample;
-    sample.wi = Vec3(d / distance);
+    sample.wi = Vec3(d * (1 / distance));
     if (!(dot(point->n, sample.wi) < 0)) return std::nullopt;
     sample.L = L_;
     sample.pdf = point->pdf;

@@ -161,6 +161,7 @@ void RenderRun::render(RenderJob& job, FrameReport report) {
   report.seconds.render = result.seconds;
   report.seconds.write = watch.lap();
   report.peakMemory = peakMemory();
+  report.acceleratorMemory = job.scene().accelerator().memoryBytes();
   report.stats = result.stats;
   report.plugins = job.plugins();
   report.plan = job.plan();

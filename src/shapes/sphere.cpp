@@ -73,10 +73,11 @@ class Sphere final : public Quadric {
     if (cutsBelow_ || cutsAbove_ || phiMax() < kTwoPi || !(sin2 < kOutside)) return std::nullopt;
     return sin2 / (1 + std::sqrt(1 - sin2));
   }
-  /// Density per solid angle in shape space for one in object space; wi is unit, in shape space.
-  double densityInShapeSpace(double oneMinusCos, const Vec3d& wi) const {
-    const double stretch = length(vectorToObject(wi));
-    return objectVolumeRatio() / (stretch * stretch * stretch) / (kTwoPi * oneMinusCos);
+  /// Density per solid angle in shape space for one in object space; wi is of length l, in shape
+  /// space.
+  double densityInShapeSpace(double oneMinusCos, const Vec3d& wi, double l) const {
+    const double stretch = length(vectorToObject(wi)) / l;
+    return objectVolumeRatio() / (stretch * stretch * stretch * kTwoPi * oneMinusCos);
   }
 
   double radius_, zMin_, zMax_;
@@ -107,22 +108,26 @@ std::optional<ShapeSample> Sphere::sampleSolidAngle(const Vec3& ref, Vec2 u) con
   // A direction of the cone by its 1 - cos, which keeps its precision however far the sphere is.
   const double oneMinusCos = *cone * u.x, cosTheta = 1 - oneMinusCos;
   const double sin2 = oneMinusCos * (2 - oneMinusCos);
-  const double distance = length(from), phi = kTwoPi * u.y;
-  const Vec3d axis = -from / distance;
-  const Vec3d side = normalize(std::abs(axis.x) > std::abs(axis.y) ? Vec3d(-axis.z, 0, axis.x)
-                                                                   : Vec3d(0, axis.z, -axis.y));
-  const Vec3d up = cross(axis, side);
-  const Vec3d w = axis * cosTheta + (side * std::cos(phi) + up * std::sin(phi)) * std::sqrt(sin2);
+  const double distance = length(from);
+  const float phi = 2.f * kPi * u.y;
+  const Vec3d axis = from * (1 / distance);
+  const Vec3d side = normalize(std::abs(axis.x) > std::abs(axis.y) ? Vec3d(axis.z, 0, -axis.x)
+                                                                   : Vec3d(0, -axis.z, axis.y));
+  const Vec3d up = cross(side, axis);
+  const Vec3d around = side * double{std::cos(phi)} + up * double{std::sin(phi)};
 
-  // Where it enters the sphere.
-  const double inside = radius_ * radius_ - distance * distance * sin2;
-  const double t = distance * cosTheta - std::sqrt(std::max(0.0, inside));
-  const Vec3d p = from + w * t;
-  ShapeSample sample = sampleAt(p * (radius_ / length(p)));
+  // Where it enters the sphere: alpha is the angle there, seen from the sphere's centre, between
+  // the reference point and the point of entry.
+  const double relativeDistance = distance / radius_;
+  const double inside = std::max(0.0, 1 - sin2 * relativeDistance * relativeDistance);
+  const double cosAlpha = sin2 * relativeDistance + cosTheta * std::sqrt(inside);
+  const double sinAlpha = std::sqrt(std::max(0.0, 1 - cosAlpha * cosAlpha));
+  const Vec3d n = axis * cosAlpha + around * sinAlpha;
+  ShapeSample sample = sampleAt(n * radius_, n);
   const Vec3d toLight = Vec3d(sample.p) - Vec3d(ref);
   const double d = length(toLight);
   if (!(d > 0)) return std::nullopt;
-  sample.pdf = static_cast<float>(densityInShapeSpace(*cone, toLight / d));
+  sample.pdf = static_cast<float>(densityInShapeSpace(*cone, toLight, d));
   if (!(sample.pdf > 0.f) || !std::isfinite(sample.pdf)) return std::nullopt;
   return sample;
 }
@@ -131,7 +136,7 @@ float Sphere::pdfSolidAngle(const Vec3& ref, const Vec3& wi, const Vec3& hitPoin
                             const Vec3& hitNormal) const {
   const std::optional<double> cone = coneFrom(toObject(ref));
   if (!cone) return Quadric::pdfSolidAngle(ref, wi, hitPoint, hitNormal);
-  return static_cast<float>(densityInShapeSpace(*cone, Vec3d(wi)));
+  return static_cast<float>(densityInShapeSpace(*cone, Vec3d(wi), 1));
 }
 
 const RegisterPlugin<Shape, Sphere> kRegistration{"sphere", Origin::PbrtV2,

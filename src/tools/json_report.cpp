@@ -59,6 +59,7 @@ Json frameJson(const FrameReport& frame) {
                      {"render", frame.seconds.render},
                      {"write", frame.seconds.write}};
   json["peak memory"] = frame.peakMemory;
+  json["accelerator memory"] = frame.acceleratorMemory;
   Json& counters = json["counters"] = Json::object();
   forEachCounter(frame.stats, [&](std::string_view group, std::string_view name, std::uint64_t n) {
     counters[fmt::format("{}/{}", group, name)] = n;
@@ -112,7 +113,11 @@ std::string statsTable(const FrameReport& frame) {
     row(name, fmt::format("{:.3f}", seconds));
   text += "  Process\n";
   row("threads", fmt::format("{}", frame.threads));
-  row("peak memory [MiB]", fmt::format("{:.1f}", double(frame.peakMemory) / (1 << 20)));
+  const auto mebibytes = [](std::uint64_t n) {
+    return fmt::format("{:.1f}", double(n) / (1 << 20));
+  };
+  row("peak memory [MiB]", mebibytes(frame.peakMemory));
+  row("accelerator [MiB]", mebibytes(frame.acceleratorMemory));
   return text;
 }
 

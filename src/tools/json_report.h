@@ -27,7 +27,8 @@ struct FrameReport {
   int threads = 0, passes = 0, warnings = 0;
   StopReason reason = StopReason::Done;
   PhaseTimes seconds;
-  std::uint64_t peakMemory = 0;  ///< of the whole process so far [bytes]
+  std::uint64_t peakMemory = 0;         ///< of the whole process so far [bytes]
+  std::uint64_t acceleratorMemory = 0;  ///< of Embree's structures, without the meshes [bytes]
   Stats stats;
   std::vector<RenderJob::UsedPlugin> plugins;
   std::vector<std::string> plan;  ///< what was built and what was skipped, and why

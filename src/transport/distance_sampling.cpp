@@ -5,13 +5,11 @@ namespace brume {
 
 namespace {
 
-/// Shares of the two kinds of table that do not trust the estimate.
-constexpr double kEvenShare = 0.02;
-constexpr double kCollisionShare = 0.1;
-/// Optical depth up to which a density linear between the cuts follows the attenuation.
-constexpr double kThin = 16;
-/// Optical depth from which on the tail of the attenuation is cut once more.
-constexpr double kTailed = 2;
+/// Variation of sigma_s Tr over the range up to which angles alone do: a smooth factor is left to
+/// the quadrature, because two techniques halve the points of each.
+constexpr double kSmallAttenuation = 50;
+/// Variation of 1/distance^2 up to which collisions alone do.
+constexpr double kSmallFalloff = 5;
 
 }  // namespace
 
@@ -29,6 +27,13 @@ EquiangularSampler::EquiangularSampler(const Ray& ray, Interval range, const Vec
 double EquiangularSampler::angleTo(double t) const {
   const double a = double{range_.t0} - foot_, x = t - foot_;
   return std::atan2(distance_ * (x - a), distance_ * distance_ + a * x);
+}
+
+double EquiangularSampler::variation() const {
+  const double a = double{range_.t0} - foot_, b = double{range_.t1} - foot_;
+  const double nearest = a > 0 ? a : b < 0 ? b : 0;
+  const double farthest = std::max(std::abs(a), std::abs(b));
+  return (sqr(distance_) + sqr(farthest)) / (sqr(distance_) + sqr(nearest));
 }
 
 double EquiangularSampler::at(double angle) const {
@@ -61,18 +66,25 @@ TransmittanceSampler::TransmittanceSampler(const MediumAlongRay& medium, Interva
     weights_[c] = double{medium.maxAlbedo()[c]} * -std::expm1(-inside_[c]);
     sum += weights_[c];
   }
-  if (sum > 0)
+  if (!(sum > 0)) return;
+  if (medium.isGrey()) {
+    const auto most = std::max_element(weights_, weights_ + 3);
+    std::fill(weights_, weights_ + 3, 0.0);
+    *most = 1;
+  } else {
     for (double& w : weights_) w /= sum;
-}
-
-double TransmittanceSampler::strengthSeenFrom(const Rgb& Tr) const {
-  double sum = 0;
-  for (int c = 0; c < 3; ++c)
-    sum += double{medium_.maxAlbedo()[c]} * double{Tr[c]} * -std::expm1(-inside_[c]);
-  return sum;
+  }
 }
 
 std::optional<DistanceSample> TransmittanceSampler::sample(float u) const {
+  const auto t = distance(u);
+  return t ? std::optional<DistanceSample>({*t, pdf(*t)}) : std::nullopt;
+}
+
+std::optional<float> TransmittanceSampler::distance(float u) const {
+  if (medium_.isSmooth() && !medium_.isGrey())
+    return std::clamp(static_cast<float>(smoothDistance(double{u})), range_.t0, range_.t1);
+
   // The channel by u, the distance in it by what is left of u.
   double rest = u;
   int channel = 0;
@@ -83,8 +95,24 @@ std::optional<DistanceSample> TransmittanceSampler::sample(float u) const {
   const double depth = -std::log1p(v * std::expm1(-inside_[channel]));
   const auto t = medium_.invert(channel, before_[channel] + std::min(depth, inside_[channel]));
   if (!t) return std::nullopt;
-  const float clamped = std::clamp(*t, range_.t0, range_.t1);
-  return DistanceSample{clamped, pdf(clamped)};
+  return std::clamp(*t, range_.t0, range_.t1);
+}
+
+double TransmittanceSampler::smoothDistance(double u) const {
+  // The mean of the channels' distribution functions, which has the density pdf().
+  const double length = double{range_.length()};
+  const auto mean = [&](double s) {
+    const Vec3d depth = medium_.depthAt(double{range_.t0} + s) - before_;
+    double sum = 0;
+    for (int c = 0; c < 3; ++c)
+      if (weights_[c] > 0) sum += weights_[c] * std::expm1(-depth[c]) / std::expm1(-inside_[c]);
+    return sum;
+  };
+  const auto density = [&](double s) {
+    const double t = double{range_.t0} + s;
+    return double{pdf(medium_.at(static_cast<float>(t)).sigma_t(), medium_.depthAt(t))};
+  };
+  return double{range_.t0} + invertMonotone(mean, density, length, u, 1.0);
 }
 
 float TransmittanceSampler::pdf(const Rgb& sigma_t, const Vec3d& depth) const {
@@ -97,144 +125,74 @@ float TransmittanceSampler::pdf(const Rgb& sigma_t, const Vec3d& depth) const {
   return static_cast<float>(sum);
 }
 
+RulePoint evenRule(int i, int n, float offset, Ends ends) {
+  const float v = (static_cast<float>(i) + offset) / static_cast<float>(n);
+  if (n == 1 || ends == Ends::Vanish) return {std::min(v, kOneMinusEpsilon), 1};
+  if (n < 4) return {std::min(1 - std::abs(2 * v - 1), kOneMinusEpsilon), 1};
+  const float angle = 2 * kPi * v;
+  const float u = v - std::sin(angle) * (kInvPi / 2);
+  return {std::clamp(u, 0.f, kOneMinusEpsilon), 1 - std::cos(angle)};
+}
+
 ScatteringDistanceSampler::ScatteringDistanceSampler(const MediumAlongRay& medium, Interval range,
-                                                     const std::optional<Vec3>& lightPosition,
-                                                     const ScatteringEstimate& estimate)
-    : medium_(medium), range_(range), transmittance_(medium, range) {
-  if (isEmpty()) return;
-  if (lightPosition) equiangular_.emplace(medium.ray(), range, *lightPosition);
-  isLinear_ = estimate.isReliable() && transmittance_.depth() <= kThin;
-  cutAtQuantiles();
-  if (isLinear_)
-    tabulateDensity(estimate);
-  else
-    tabulateCollisions(estimate);
+                                                     const std::optional<Vec3>& lightPosition)
+    : medium_(medium),
+      range_{std::max(range.t0, medium.occupied().t0), std::min(range.t1, medium.occupied().t1)},
+      transmittance_(medium, range_) {
+  if (!isEmpty()) chooseTechniques(lightPosition);
 }
 
-void ScatteringDistanceSampler::cutAtQuantiles() {
-  const double end = toX(double{range_.t1});
-  int n = 0;
-  x_[n++] = 0;
-  for (int i = 1; i < kQuantiles; ++i) {
-    const float u = static_cast<float>(i) / kQuantiles;
-    x_[n++] = double{u} * end;
-    if (const auto s = transmittance_.sample(u)) x_[n++] = std::clamp(toX(double{s->t}), 0.0, end);
+void ScatteringDistanceSampler::chooseTechniques(const std::optional<Vec3>& lightPosition) {
+  if (lightPosition) equiangular_.emplace(medium_.ray(), range_, *lightPosition);
+
+  // How much sigma_s Tr varies from end to end, in the worst channel.
+  double variation = 1;
+  if (medium_.isSmooth()) {
+    const Rgb first = medium_.at(range_.t0).sigma_s, last = medium_.at(range_.t1).sigma_s;
+    for (int c = 0; c < 3; ++c) {
+      if (first[c] == 0 && last[c] == 0) continue;
+      const double r = double{last[c]} * std::exp(-transmittance_.depth()[c]) / double{first[c]};
+      variation = std::max({variation, r, 1 / r});
+    }
   }
-  // The tail of the attenuation, where one piece would be too long for a linear density.
-  if (transmittance_.depth() > kTailed)
-    for (const float u : {31.f / 32, 511.f / 512})
-      if (const auto s = transmittance_.sample(u))
-        x_[n++] = std::clamp(toX(double{s->t}), 0.0, end);
-  x_[n++] = end;
-  std::sort(x_.begin(), x_.begin() + n);
-  // Cuts that a float cannot tell apart are one.
-  const auto last = std::unique(x_.begin(), x_.begin() + n, [this](double a, double b) {
-    return !(static_cast<float>(fromX(b)) > static_cast<float>(fromX(a)));
-  });
-  pieces_ = std::max(1, static_cast<int>(last - x_.begin()) - 1);
-  x_[pieces_] = end;
+  const bool anglesDo = medium_.isSmooth() && variation <= kSmallAttenuation;
+  const bool collisionsDo = !equiangular_ || equiangular_->variation() <= kSmallFalloff;
+  angleShare_ = anglesDo ? 1 : collisionsDo ? 0 : 0.5f;
 }
 
-void ScatteringDistanceSampler::tabulateDensity(const ScatteringEstimate& estimate) {
-  std::array<double, kMaxPieces + 1> value{};
-  double sum = 0;
-  for (int i = 0; i <= pieces_; ++i) {
-    const auto t = std::clamp(static_cast<float>(fromX(x_[i])), range_.t0, range_.t1);
-    const Rgb source = medium_.at(t).sigma_s * medium_.transmittance(t);
-    value[i] = source.isBlack()
-                   ? 0
-                   : double{source.average()} * double{estimate.at(t)} / xPerLength(double{t});
-    if (i > 0) sum += 0.5 * (value[i - 1] + value[i]) * (x_[i] - x_[i - 1]);
-  }
-  const double even = sum > 0 && std::isfinite(sum) ? kEvenShare : 1;
-  for (int i = 0; i <= pieces_; ++i) {
-    density_[i] = even / (x_[pieces_] - x_[0]);
-    if (even < 1) density_[i] += (1 - even) * value[i] / sum;
-    if (i > 0)
-      upTo_[i] = upTo_[i - 1] + 0.5 * (density_[i - 1] + density_[i]) * (x_[i] - x_[i - 1]);
-  }
-}
-
-void ScatteringDistanceSampler::tabulateCollisions(const ScatteringEstimate& estimate) {
-  for (int i = 0; i <= pieces_; ++i)
-    t_[i] = std::clamp(static_cast<float>(fromX(x_[i])), range_.t0, range_.t1);
-  t_[0] = range_.t0;
-  t_[pieces_] = range_.t1;
-  std::array<double, kMaxPieces> collisions{}, value{};
-  double sumCollisions = 0, sum = 0;
-  for (int i = 0; i < pieces_; ++i) {
-    const Interval part{t_[i], t_[i + 1]};
-    const Rgb Tr = medium_.transmittance(part.t0);
-    const TransmittanceSampler inside(medium_, part);
-    collisions[i] = inside.strengthSeenFrom(Tr);
-    const auto median = inside.isEmpty() ? std::nullopt : inside.sample(0.5f);
-    if (!median || !(collisions[i] > 0)) continue;
-    value[i] = collisions[i] * double{estimate.at(median->t)};
-    sumCollisions += collisions[i];
-    sum += value[i];
-  }
-  const double blind = sum > 0 && std::isfinite(sum) ? kCollisionShare : 1;
-  for (int i = 0; i < pieces_; ++i) {
-    upTo_[i + 1] = upTo_[i] + blind * collisions[i] / sumCollisions;
-    if (blind < 1) upTo_[i + 1] += (1 - blind) * value[i] / sum;
-  }
-}
-
-std::size_t ScatteringDistanceSampler::findPiece(const std::array<double, kMaxPieces + 1>& borders,
-                                                 double value) const {
-  const auto next = std::upper_bound(borders.begin() + 1, borders.begin() + pieces_, value);
-  return static_cast<std::size_t>(next - borders.begin()) - 1;
-}
-
-std::optional<float> ScatteringDistanceSampler::distanceIn(std::size_t i, double w) const {
-  if (!isLinear_) {
-    const TransmittanceSampler inside(medium_, {t_[i], t_[i + 1]});
-    if (inside.isEmpty()) return std::nullopt;
-    const auto s = inside.sample(static_cast<float>(w));
-    return s ? std::optional<float>(s->t) : std::nullopt;
-  }
-  // A linear density from d0 to d1: its distribution inverted without a difference of roots.
-  const double d0 = density_[i], d1 = density_[i + 1];
-  const double s = w * (d0 + d1) / (d0 + std::sqrt(d0 * d0 + w * (d1 * d1 - d0 * d0)));
-  const double x = x_[i] + s * (x_[i + 1] - x_[i]);
-  return std::clamp(static_cast<float>(fromX(x)), range_.t0, range_.t1);
-}
-
-std::optional<ScatteringDistanceSampler::Sample> ScatteringDistanceSampler::sample(float u) const {
-  const double v = double{u} * upTo_[pieces_];
-  const std::size_t i = findPiece(upTo_, v);
-  const double mass = upTo_[i + 1] - upTo_[i];
-  if (!(mass > 0)) return std::nullopt;
-  const auto t = distanceIn(i, std::clamp((v - upTo_[i]) / mass, 0.0, 1.0));
-  if (!t) return std::nullopt;
+std::optional<ScatteringDistanceSampler::Sample> ScatteringDistanceSampler::sample(
+    Technique technique, float u) const {
   Sample s;
-  s.t = *t;
-  s.medium = medium_.at(*t);
-  const Vec3d depth = medium_.depthAt(*t);
+  if (technique == Technique::Angle) {
+    const double t = equiangular_ ? equiangular_->at(double{u} * equiangular_->angle())
+                                  : double{range_.t0} + double{u} * double{range_.length()};
+    s.t = std::clamp(static_cast<float>(t), range_.t0, range_.t1);
+  } else {
+    const auto t = transmittance_.distance(u);
+    if (!t) return std::nullopt;
+    s.t = *t;
+  }
+  s.medium = medium_.at(s.t);
+  const Vec3d depth = medium_.depthAt(s.t);
   s.Tr = MediumAlongRay::toTransmittance(depth);
-  s.pdf = pdf(*t, s.medium.sigma_t(), depth);
+  s.pdf = pdf(s.t, s.medium.sigma_t(), depth);
   if (!(s.pdf > 0)) return std::nullopt;
   return s;
 }
 
-float ScatteringDistanceSampler::pdf(float t) const {
-  return pdf(t, medium_.at(t).sigma_t(), medium_.depthAt(t));
+std::optional<ScatteringDistanceSampler::Sample> ScatteringDistanceSampler::sample(float u) const {
+  if (u < angleShare_) return sample(Technique::Angle, u / angleShare_);
+  return sample(Technique::Collisions,
+                std::min((u - angleShare_) / (1 - angleShare_), kOneMinusEpsilon));
 }
 
 float ScatteringDistanceSampler::pdf(float t, const Rgb& sigma_t, const Vec3d& depth) const {
   if (!(t >= range_.t0 && t <= range_.t1)) return 0;
-  if (!isLinear_) {
-    const auto next = std::upper_bound(t_.begin() + 1, t_.begin() + pieces_, t);
-    const auto i = static_cast<std::size_t>(next - t_.begin()) - 1;
-    const TransmittanceSampler inside(medium_, {t_[i], t_[i + 1]});
-    return static_cast<float>((upTo_[i + 1] - upTo_[i]) / upTo_[pieces_] *
-                              double{inside.pdf(sigma_t, depth)});
-  }
-  const double x = toX(double{t});
-  const std::size_t i = findPiece(x_, x);
-  const double inside = std::clamp((x - x_[i]) / (x_[i + 1] - x_[i]), 0.0, 1.0);
-  const double density = density_[i] + inside * (density_[i + 1] - density_[i]);
-  return static_cast<float>(density / upTo_[pieces_] * xPerLength(double{t}));
+  float sum = 0;
+  if (angleShare_ > 0)
+    sum += angleShare_ * (equiangular_ ? equiangular_->pdf(t) : 1 / range_.length());
+  if (angleShare_ < 1) sum += (1 - angleShare_) * transmittance_.pdf(sigma_t, depth);
+  return sum;
 }
 
 }  // namespace brume

@@ -26,6 +26,8 @@ class EquiangularSampler {
   /// Its inverse.
   double at(double angle) const;
   double angle() const { return angle_; }
+  /// Largest over smallest 1/distance^2 in the range.
+  double variation() const;
   /// d angleTo / dt.
   double anglePerLength(double t) const {
     return distance_ / (distance_ * distance_ + sqr(t - foot_));
@@ -43,18 +45,18 @@ class EquiangularSampler {
 /// Density of the collisions that happen inside a part of the ray, by inversion of the optical
 /// depth. Chromatic media: one channel is drawn, and the density is the mean over channels,
 ///   pdf = sum_c w_c sigma_t,c Tr_c / (1 - Tr_c(range)),  w_c ~ max albedo_c (1 - Tr_c(range)),
-/// which bounds the weight of scattering, sigma_s,c Tr_c / pdf <= sum_c max albedo_c <= 3.
+/// which bounds the weight of scattering, sigma_s,c Tr_c / pdf <= sum_c max albedo_c <= 3. Grey
+/// media take one channel for all, and smooth ones invert the mean, so that t grows with u.
 class TransmittanceSampler {
  public:
   /// The medium outlives the sampler; range lies in its range.
   TransmittanceSampler(const MediumAlongRay& medium, Interval range);
-  /// sum_c Tr_c max albedo_c (1 - Tr_c(range)), Tr up to the range.
-  double strengthSeenFrom(const Rgb& Tr) const;
-  /// Optical depth of the range in the densest channel.
-  double depth() const { return std::max({inside_.x, inside_.y, inside_.z}); }
+  /// Optical depth of the range.
+  const Vec3d& depth() const { return inside_; }
   /// Nothing scatters in the range: sample() must not be called.
   bool isEmpty() const { return !(weights_[0] + weights_[1] + weights_[2] > 0); }
   std::optional<DistanceSample> sample(float u) const;
+  std::optional<float> distance(float u) const;
   float pdf(float t) const { return pdf(medium_.at(t).sigma_t(), medium_.depthAt(t)); }
   /// The same from sigma_t at t and the optical depth from the start of the medium's range.
   float pdf(const Rgb& sigma_t, const Vec3d& depth) const;
@@ -62,81 +64,70 @@ class TransmittanceSampler {
  private:
   const MediumAlongRay& medium_;
   Interval range_;
+  double smoothDistance(double u) const;
+
   Vec3d before_;       // optical depth up to the range
   Vec3d inside_;       // optical depth of the range
   double weights_[3];  // of the channels; sum 1, or all 0
 };
 
-/// Estimated in-scattering of one light along a ray: what the distances are drawn by. Need not be
-/// right, only near; evaluated at a few t.
-class ScatteringEstimate {
- public:
-  virtual ~ScatteringEstimate() = default;
-  /// Light turned towards the viewer per sigma_s at ray(t), without shadows; any scale, >= 0.
-  virtual float at(float t) const = 0;
-  /// Close to the truth, but for shadows, and smooth in t, as is the medium.
-  virtual bool isReliable() const = 0;
+/// One point of a rule for integrals over [0, 1].
+struct RulePoint {
+  float u = 0;
+  float weight = 1;  ///< mean over the points estimates the integral
 };
 
-/// Distances for the light of one source. The range is cut at quantiles of equiangular and of
-/// transmittance sampling. Two tables over these cuts:
-/// - where the estimate is reliable and the medium thin (closed form, depth up to 16), the density
-/// is linear in angle between the
-///   cuts (in length for lights without position), through values proportional to
-///   sigma_s Tr(0,t) estimate(t) dt/dangle, with 0.02 spread evenly;
-/// - elsewhere a piece is drawn by its exact collisions times the estimate at their median,
-///     P_i ~ sum_c max albedo_c (Tr_c(t_i) - Tr_c(t_i+1)) estimate,  with 0.1 by the collisions
-///     alone,
-///   and the distance in it by transmittance sampling, so that no detail of the density is missed;
-///   weights are bounded by 10 sum_c max albedo_c times the source.
-/// The distance grows with u (but for changes of channel in chromatic grids), so evenly spaced u
-/// make a quadrature of the smooth quotient of integrand and density.
+/// What a function does at the ends of its interval.
+enum class Ends { Vanish, Jump };
+
+/// Point i of n evenly spaced ones with a random offset in [0, 1), v = (i + offset) / n. For smooth
+/// functions that do not vanish at the ends u is moved so that the rule converges faster. Unbiased
+/// for any n:
+///   n = 1, or a function that vanishes smoothly   u = v
+///   n = 2, 3    u = 1 - |2 v - 1|: exact for linear functions when n = 2
+///   n >= 4      u = v - sin(2 pi v) / (2 pi), weight du/dv = 1 - cos(2 pi v):
+///               periodic and smooth at the ends; error O(n^-3), exact for constants
+/// Source: Sidi 1993 for the last.
+RulePoint evenRule(int i, int n, float offset, Ends ends);
+
+/// Distances for the light of one source, by up to two techniques:
+/// - by angle: equiangular from the light, even in length for lights without position;
+/// - by collisions: transmittance sampling.
+/// By angle alone where the medium is smooth and sigma_s Tr varies by no more than a factor of 50
+/// along the ray, else by collisions alone where 1/distance^2 varies by no more than 5, else both
+/// with equal shares c = 1/2. The density is
+/// that of the mixture (balance heuristic, Veach 1997)
+///   pdf = c p_angle + (1 - c) p_collisions
 class ScatteringDistanceSampler {
  public:
   ScatteringDistanceSampler(const MediumAlongRay& medium, Interval range,
-                            const std::optional<Vec3>& lightPosition,
-                            const ScatteringEstimate& estimate);
+                            const std::optional<Vec3>& lightPosition);
   bool isEmpty() const { return transmittance_.isEmpty(); }
+
+  enum class Technique { Angle, Collisions };
+  float share(Technique t) const { return t == Technique::Angle ? angleShare_ : 1 - angleShare_; }
 
   struct Sample {
     float t = 0;
-    float pdf = 0;
+    float pdf = 0;              ///< of the mixture
     MediumCoefficients medium;  ///< at t
     Rgb Tr;                     ///< from the start of the medium's range to t
   };
+  /// Of one technique; t grows with u (but for changes of channel in coloured media).
+  std::optional<Sample> sample(Technique technique, float u) const;
+  /// Of the mixture.
   std::optional<Sample> sample(float u) const;
-  float pdf(float t) const;
+  float pdf(float t) const { return pdf(t, medium_.at(t).sigma_t(), medium_.depthAt(t)); }
 
  private:
-  static constexpr int kQuantiles = 4;
-  static constexpr int kMaxPieces = 2 * kQuantiles + 1;
-
-  // The table is linear in a variable x(t): angle or length.
-  double toX(double t) const {
-    return equiangular_ ? equiangular_->angleTo(t) : t - double{range_.t0};
-  }
-  double fromX(double x) const {
-    return equiangular_ ? equiangular_->at(x) : double{range_.t0} + x;
-  }
-  double xPerLength(double t) const { return equiangular_ ? equiangular_->anglePerLength(t) : 1; }
-
-  void cutAtQuantiles();
-  void tabulateDensity(const ScatteringEstimate& estimate);
-  void tabulateCollisions(const ScatteringEstimate& estimate);
-  std::size_t findPiece(const std::array<double, kMaxPieces + 1>& borders, double value) const;
-  std::optional<float> distanceIn(std::size_t piece, double w) const;
+  void chooseTechniques(const std::optional<Vec3>& lightPosition);
   float pdf(float t, const Rgb& sigma_t, const Vec3d& depth) const;
 
   const MediumAlongRay& medium_;
   Interval range_;
   TransmittanceSampler transmittance_;
   std::optional<EquiangularSampler> equiangular_;
-  bool isLinear_ = false;  // else transmittance sampling within pieces
-  int pieces_ = 0;
-  std::array<double, kMaxPieces + 1> x_{};        // cuts
-  std::array<double, kMaxPieces + 1> density_{};  // per x, at the cuts, when linear
-  std::array<float, kMaxPieces + 1> t_{};         // cuts as distances, when not
-  std::array<double, kMaxPieces + 1> upTo_{};     // cumulative probability
+  float angleShare_ = 1;
 };
 
 }  // namespace brume

@@ -37,17 +37,17 @@ Arrival arrival(const Scene& scene, const MediumVertex& vertex, const Light& lig
   return a;
 }
 
-}  // namespace
-
-float LightEstimate::at(float t) const {
-  const Vec3 p = ray_(t);
-  const auto s = light_.sampleLi(p, Vec2(0.5f));
-  if (!s || !(s->pdf > 0)) return 0;
-  const Rgb L = volume_.isClosedForm()
-                    ? s->L * volume_.transmittance(Scene::shadowRay(p, ray_.time, *s))
-                    : s->L;
-  return L.average() / s->pdf * volume_.phase(p, -ray_.d, s->wi);
+/// Probability of phase sampling at a vertex. A light that looks smaller than the lobe is sampled
+/// better by itself.
+float phaseShare(const Volume& volume, const MediumVertex& vertex, const Light& light) {
+  if (!wantsPhaseSampling(volume, light)) return 0;
+  const auto middle = light.sampleLi(vertex.p, Vec2(0.5f));
+  if (!middle || !(middle->pdf > 0)) return 0.5f;
+  const float peak = volume.phasePeak();
+  return std::clamp(peak / (peak + middle->pdf), 0.05f, 0.5f);
 }
+
+}  // namespace
 
 bool wantsPhaseSampling(const Volume& volume, const Light& light) {
   return !light.isDelta() && volume.phasePeak() > kPeaked * kInv4Pi;
@@ -56,19 +56,19 @@ bool wantsPhaseSampling(const Volume& volume, const Light& light) {
 Rgb estimateInscattering(const Scene& scene, const MediumVertex& vertex, const Light& light,
                          const MediumLightUniforms& u, Stats& stats) {
   const Volume& volume = *scene.volume();
-  const bool bothTechniques = wantsPhaseSampling(volume, light);
+  const float q = phaseShare(volume, vertex, light);
 
-  if (bothTechniques && u.technique < 0.5f) {
+  if (u.technique < q) {
     const PhaseSample s = volume.samplePhase(vertex.p, vertex.wo, u.lobe, u.phase);
     if (!(s.pdf > 0)) return {};
     const Arrival a = arrival(scene, vertex, light, s.wi, stats);
-    return a.L * (s.value / (0.5f * (s.pdf + a.lightPdf)));
+    return a.L * (s.value / (q * s.pdf + (1 - q) * a.lightPdf));
   }
 
   const auto s = light.sampleLi(vertex.p, u.light);
   if (!s || !(s->pdf > 0)) return {};
   const float p = volume.phase(vertex.p, vertex.wo, s->wi);
-  const float pdf = bothTechniques ? 0.5f * (s->pdf + p) : s->pdf;
+  const float pdf = q * p + (1 - q) * s->pdf;
   const Ray shadow = Scene::shadowRay(vertex.p, vertex.time, *s);
   return attenuated(scene, s->L * (p / pdf), shadow, stats);
 }

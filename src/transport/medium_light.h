@@ -2,7 +2,6 @@
 #pragma once
 
 #include "core/scene.h"
-#include "transport/distance_sampling.h"
 
 namespace brume {
 
@@ -21,29 +20,16 @@ struct MediumLightUniforms {
   Vec2 phase{0};
 };
 
-/// In-scattering of the middle of a light along a ray, without shadows of surfaces; attenuated
-/// where that is cheap.
-class LightEstimate final : public ScatteringEstimate {
- public:
-  LightEstimate(const Volume& volume, const Ray& ray, const Light& light)
-      : volume_(volume), ray_(ray), light_(light) {}
-  float at(float t) const override;
-  bool isReliable() const override { return volume_.isClosedForm() && light_.isDelta(); }
-
- private:
-  const Volume& volume_;
-  const Ray& ray_;
-  const Light& light_;
-};
-
 /// Whether phase function sampling pays: its peak rises this far above isotropic.
 bool wantsPhaseSampling(const Volume& volume, const Light& light);
 
 /// One-sample estimate of the light that a vertex turns towards the viewer, per sigma_s:
 ///   Int_S2 p(wo, wi) L_light(wi) V Tr dwi                              [W m^-2 sr^-1]
 /// Tr is exact, up to the light. Surfaces of any kind block, glass too (PBRT-v2). For lights that
-/// are no delta distributions in media with a peaked phase function, light and phase sampling each
-/// take half of the samples and the density is that of the mixture (balance heuristic).
+/// are no delta distributions in media with a peaked phase function, a share q of the samples
+/// follows the phase function, more the wider the light looks from there,
+///   q = clamp(peak / (peak + pdf_light(middle)), 0.05, 0.5),
+/// and the density is that of the mixture (balance heuristic).
 Rgb estimateInscattering(const Scene& scene, const MediumVertex& vertex, const Light& light,
                          const MediumLightUniforms& u, Stats& stats);
 

@@ -199,6 +199,8 @@ TEST(Render, StatisticsSayWhatWasDone) {
   EXPECT_GE(frame["counters"]["Rays/camera"], 24 * 16 * 4);
   EXPECT_EQ(frame["counters"]["Faults/NaN radiance"], 0);
   EXPECT_GT(frame["peak memory"], 1 << 20);
+  EXPECT_GT(frame["accelerator memory"], 0);
+  EXPECT_LT(frame["accelerator memory"], frame["peak memory"]);
   for (const char* phase : {"parse", "build", "render", "write"})
     EXPECT_GE(frame["seconds"][phase], 0) << phase;
   const auto isSampler = [](const auto& plugin) {
@@ -279,7 +281,12 @@ TEST(Render, StartsFast) {
   double best = 1e9;
   for (int i = 0; i < 5; ++i)
     best = std::min(best, runBrume({{"--check", "ball.pbrt"}, folder.path()}).seconds);
-  EXPECT_LT(best, 0.25);  // 0.05 is the goal; a busy machine and sanitizers are slower
+#ifdef __SANITIZE_ADDRESS__
+  constexpr double kLimit = 2;
+#else
+  constexpr double kLimit = 0.25;  // 0.05 is the goal; the machine may be busy
+#endif
+  EXPECT_LT(best, kLimit);
 }
 
 }  // namespace

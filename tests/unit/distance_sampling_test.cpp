@@ -59,20 +59,6 @@ TEST(Equiangular, WeightOfInverseSquareFalloffIsConstant) {
   }
 }
 
-/// A source near the ray's middle, or an even one.
-class TestEstimate final : public ScatteringEstimate {
- public:
-  TestEstimate(const Ray& ray, const std::optional<Vec3>& light, bool reliable = false)
-      : ray_(ray), light_(light), reliable_(reliable) {}
-  bool isReliable() const override { return reliable_; }
-  float at(float t) const override { return light_ ? 1 / lengthSquared(ray_(t) - *light_) : 1; }
-
- private:
-  Ray ray_;
-  std::optional<Vec3> light_;
-  bool reliable_;
-};
-
 std::vector<std::unique_ptr<Volume>> media(float scale) {
   Rng rng(3);
   test::MediumSpec grey{.sigma_a = Rgb(.5f * scale), .sigma_s = Rgb(scale)};
@@ -119,8 +105,7 @@ TEST(DistanceSampling, SamplesAreDistributedAsTheDensity) {
     for (const auto& light : {std::optional<Vec3>(), std::optional<Vec3>(Vec3(.5f, .6f, .4f))}) {
       const MediumAlongRay medium(*volume, ray, *volume->intersect(ray));
       const Interval r = medium.range();
-      const ScatteringDistanceSampler sampler(medium, r, light,
-                                              TestEstimate(ray, light, volume->isClosedForm()));
+      const ScatteringDistanceSampler sampler(medium, r, light);
       std::vector<double> count(kCells, 0);
       for (int i = 0; i < kSamples; ++i) {
         const auto s = sampler.sample(rng.uniform());
@@ -182,8 +167,7 @@ TEST(DistanceSampling, NothingIsDrawnWhereNothingScatters) {
   const auto absorber = test::makeHomogeneous({.sigma_a = Rgb(1.f)});
   const Ray ray = rayThroughBox();
   const MediumAlongRay medium(*absorber, ray, *absorber->intersect(ray));
-  EXPECT_TRUE(
-      ScatteringDistanceSampler(medium, medium.range(), Vec3(0), TestEstimate(ray, {})).isEmpty());
+  EXPECT_TRUE(ScatteringDistanceSampler(medium, medium.range(), Vec3(0)).isEmpty());
 }
 
 }  // namespace

@@ -102,6 +102,26 @@ TEST(TriangleMesh, TangentsOfShadingAreThoseOfPbrt) {
   EXPECT_EQ(si.shading.dpdv, Vec3(0, -1, 0));
 }
 
+/// The triangle of three own vertices that a point lies on: the parts into which the point cuts it
+/// have the area of the whole.
+std::size_t triangleOf(const TriangleMesh& mesh, const Vec3& p) {
+  std::size_t best = 0;
+  double least = 1e300;
+  for (std::size_t i = 0; i < mesh.triangleCount(); ++i) {
+    const Vec3* v = mesh.pointData() + 3 * i;
+    const auto area = [](const Vec3& a, const Vec3& b, const Vec3& c) {
+      return length(cross(Vec3d(b) - Vec3d(a), Vec3d(c) - Vec3d(a)));
+    };
+    const double whole = area(v[0], v[1], v[2]);
+    const double excess = area(p, v[0], v[1]) + area(p, v[1], v[2]) + area(p, v[2], v[0]) - whole;
+    if (whole > 0 && excess / whole < least) {
+      least = excess / whole;
+      best = i;
+    }
+  }
+  return best;
+}
+
 TEST(TriangleMesh, SamplesAreUniformByArea) {
   Rng rng(3);
   Shape::FactoryContext context;
@@ -109,18 +129,12 @@ TEST(TriangleMesh, SamplesAreUniformByArea) {
   MeshData data = randomMesh(rng, 12, false, false);
   data.points[5] = data.points[4];  // one without area
   const TriangleMesh mesh(data, context);
-  // Which triangle, by its index in a uv of its own.
-  MeshData labelled = data;
-  labelled.uvs.resize(2 * data.points.size());
-  for (std::size_t i = 0; i < data.points.size(); ++i) labelled.uvs[2 * i] = float(i / 3);
-  const TriangleMesh labels(labelled, context);
-
   constexpr int kSamples = 20000;
   std::vector<double> counts(12), areas(12);
   Vec3d centroid(0), expectedCentroid(0);
   for (int i = 0; i < kSamples; ++i) {
-    const ShapeSample s = labels.sampleArea(rng.uniform2());
-    counts[std::size_t(std::lround(s.uv.x))] += 1;
+    const ShapeSample s = mesh.sampleArea(rng.uniform2());
+    counts[triangleOf(mesh, s.p)] += 1;
     centroid += Vec3d(s.p) / double{kSamples};
     ASSERT_FLOAT_EQ(s.pdf * mesh.area(), 1);
   }

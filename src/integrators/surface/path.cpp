@@ -89,8 +89,9 @@ Rgb Path::Li(const SurfaceQuery& query, RenderContext& context) const {
   Rgb L, throughput(1.f);
   Arrival arrival;
   FootprintRay ray = query.ray;
-  SurfaceInteraction at = query.hit;
+  std::optional<SurfaceInteraction> hit;
   for (int bounce = 0;; ++bounce) {
+    const SurfaceInteraction& at = hit ? *hit : query.hit;
     L += throughput * emission(at, arrival);
     if (bounce > params_.maxdepth) break;
 
@@ -125,7 +126,7 @@ Rgb Path::Li(const SurfaceQuery& query, RenderContext& context) const {
     // The next vertex, attenuated by the media on the way.
     ray = sample->isSpecular() ? specularRay(ray, at, bsdf.shadingNormal(), *sample)
                                : FootprintRay(at.spawnRay(sample->wi));
-    auto hit = scene_.intersect(ray, context.stats);
+    hit = scene_.intersect(ray, context.stats);
     if (scene_.volume()) {
       Ray segment = ray;
       if (hit) segment.tMax = distance(ray.o, hit->p);
@@ -135,7 +136,6 @@ Rgb Path::Li(const SurfaceQuery& query, RenderContext& context) const {
       L += throughput * escaped(ray, arrival);
       break;
     }
-    at = *hit;
   }
   return L;
 }

@@ -22,9 +22,9 @@ enum class Method { Mis, March };
 ///   Lv = Int Tr(0,t) [Le(t) + sigma_s(t) Int_S2 p(w', w) L_light(x_t, w') V Tr dw'] dt
 ///                                                                       [W m^-2 sr^-1]
 /// Emission and all transmittances are exact. method "mis": `samples` distances per ray, each for
-/// one light chosen by the irradiance it sheds along the ray. Distances follow a table of what the
-/// light is estimated to scatter (equiangular within), mixed with transmittance sampling; light and
-/// phase function sampling are combined by the balance heuristic. Unbiased.
+/// one light chosen by the irradiance it sheds along the ray. Distances are spread
+/// evenly by equiangular and transmittance sampling, light and phase function sampling give the
+/// direction; both pairs are combined by the balance heuristic. Unbiased.
 /// method "march": PBRT-v2's fixed steps with a random offset and a light chosen evenly, for
 /// comparison; unbiased too, because the transmittance reaches the end of the ray here.
 /// Surfaces of any kind cast shadows, glass too (PBRT-v2).
@@ -57,6 +57,7 @@ class Single final : public VolumeIntegrator {
           "are drawn by importance; \"string method\" \"march\" steps as PBRT-v2 does");
     if (params.method == Method::March && volume_) checkStepCount(context);
     scatters_ = volume_ && volume_->isScattering() && !lights_.isEmpty();
+    for (const auto& light : scene_.lights()) usesPoints_ = usesPoints_ || !light->isDelta();
     if (volume_)
       for (const auto& light : scene_.lights())
         samplesPhase_ = samplesPhase_ || wantsPhaseSampling(*volume_, *light);
@@ -114,7 +115,7 @@ class Single final : public VolumeIntegrator {
     // The same number of dimensions is taken whatever the ray meets.
     const float lightOffset = context.samples.get1D();
     const float distanceOffset = context.samples.get1D();
-    draw2D(uPoint);
+    if (usesPoints_) draw2D(uPoint);
     if (samplesPhase_) {
       draw1D(uTechnique);
       draw1D(uLobe);
@@ -125,37 +126,68 @@ class Single final : public VolumeIntegrator {
     const Ray& ray = medium.ray();
     lights_.along(ray, medium.range(), choices);
     if (choices.isEmpty()) return {};
-    // Lights come in order, so that each builds its table of distances once; evenly spaced numbers
-    // with one offset make a quadrature rule of each table.
+    // Lights come in order, so that each takes its distances in one go.
     Rgb sum;
     std::size_t i = 0;
     while (i < n) {
       const auto& chosen = choices.choose(spaced(i, n, lightOffset));
       std::size_t end = i + 1;
       while (end < n && &choices.choose(spaced(end, n, lightOffset)) == &chosen) ++end;
-      const ScatteringDistanceSampler distances(medium, chosen.illuminated,
-                                                chosen.light->position(),
-                                                LightEstimate(*volume_, ray, *chosen.light));
-      const std::size_t first = i;
-      for (; i < end && !distances.isEmpty(); ++i) {
-        const auto at = distances.sample(spaced(i - first, end - first, distanceOffset));
-        if (!at || at->medium.sigma_s.isBlack()) continue;
-        context.stats.add(Stat::VolumeSamples);
-
+      const auto at = [&](std::size_t k) {
         MediumLightUniforms u;
-        u.light = uPoint[i];
+        if (usesPoints_) u.light = uPoint[k];
         if (samplesPhase_) {
-          u.technique = uTechnique[i];
-          u.lobe = uLobe[i];
-          u.phase = uPhase[i];
+          u.technique = uTechnique[k];
+          u.lobe = uLobe[k];
+          u.phase = uPhase[k];
         }
-        const Rgb inscattered = estimateInscattering(scene_, {ray(at->t), -ray.d, ray.time},
-                                                     *chosen.light, u, context.stats);
-        sum += inscattered * at->medium.sigma_s * at->Tr / (at->pdf * chosen.probability);
-      }
+        return u;
+      };
+      const auto count = static_cast<int>(end - i);
+      sum += lightOf(chosen, medium, count, distanceOffset, context.stats,
+                     [&](int k) { return at(i + static_cast<std::size_t>(k)); }) *
+             (static_cast<float>(count) / chosen.probability);
       i = end;
     }
     return sum / static_cast<float>(n);
+  }
+
+  /// What one light sheds along the ray, by n distances.
+  template <class Uniforms>
+  Rgb lightOf(const LightChoice::Choices::Chosen& chosen, const MediumAlongRay& medium, int n,
+              float offset, Stats& stats, Uniforms&& uniforms) const {
+    using Technique = ScatteringDistanceSampler::Technique;
+    const ScatteringDistanceSampler distances(medium, chosen.illuminated, chosen.light->position());
+    if (distances.isEmpty()) return {};
+    const auto gather = [&](const std::optional<ScatteringDistanceSampler::Sample>& at, int k) {
+      if (!at || at->medium.sigma_s.isBlack()) return Rgb();
+      stats.add(Stat::VolumeSamples);
+      const Ray& ray = medium.ray();
+      return estimateInscattering(scene_, {ray(at->t), -ray.d, ray.time}, *chosen.light,
+                                  uniforms(k), stats) *
+             at->medium.sigma_s * at->Tr / at->pdf;
+    };
+    if (n == 1) return gather(distances.sample(offset), 0);
+
+    // The light's own cut, a cone's border, is soft.
+    const bool isCut =
+        chosen.illuminated.t0 > medium.range().t0 && chosen.illuminated.t1 < medium.range().t1;
+    const Ends ends = isCut ? Ends::Vanish : Ends::Jump;
+
+    // Each technique integrates its part of the balance heuristic by a rule of its own.
+    Rgb sum;
+    int first = 0;
+    for (const Technique technique : {Technique::Angle, Technique::Collisions}) {
+      const float share = distances.share(technique);
+      const int count = share == 1 ? n : share == 0 ? 0 : first == 0 ? n / 2 : n - n / 2;
+      for (int k = 0; k < count; ++k) {
+        const RulePoint point = evenRule(k, count, offset, ends);
+        sum += gather(distances.sample(technique, point.u), first + k) *
+               (point.weight * share / static_cast<float>(count));
+      }
+      first += count;
+    }
+    return sum;
   }
 
   /// Number i of n evenly spaced ones with one offset.
@@ -208,6 +240,7 @@ class Single final : public VolumeIntegrator {
   float stepSize_;
   LightChoice lights_;
   bool scatters_ = false;
+  bool usesPoints_ = false;  // some light is no delta distribution
   bool samplesPhase_ = false;
 };
 
