@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 
 namespace brume {
@@ -13,6 +14,8 @@ namespace {
 
 /// Line `number` (from 1) of a file; none when it cannot be read again (standard input).
 std::optional<std::string> readLine(const std::string& path, std::uint32_t number) {
+  std::error_code unreadable;  // a pipe has been read, and opening it again would wait for ever
+  if (!std::filesystem::is_regular_file(path, unreadable)) return std::nullopt;
   std::ifstream in(path, std::ios::binary);
   constexpr std::size_t kLongest = 1 << 16;
   std::string line;
@@ -31,7 +34,12 @@ std::optional<std::string> readLine(const std::string& path, std::uint32_t numbe
 }  // namespace
 
 std::string formatDiagnostic(const SourceLocation& where, std::string_view kind,
-                             const std::string& text) {
+                             const std::string& message) {
+  // What a scene says may be quoted in a message, and of any length.
+  constexpr std::size_t kLongestMessage = 1500;
+  const std::string text = message.size() <= kLongestMessage
+                               ? message
+                               : message.substr(0, kLongestMessage) + "...";
   std::string result = where.isKnown() ? fmt::format("{}: {}: {}", toString(where), kind, text)
                                        : fmt::format("brume: {}: {}", kind, text);
   if (!where.isKnown() || where.line == 0 || where.column == 0) return result;

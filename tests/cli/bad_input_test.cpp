@@ -4,9 +4,12 @@
 // checked with --strict. Larger ones are made here.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <fstream>
+#include <regex>
+#include <thread>
 
 #include "core/io/image.h"
 #include "core/rng.h"
@@ -38,6 +41,12 @@ std::vector<std::string> badScenes() {
   return names;
 }
 
+/// The lists of choices grow with the plugins and are left out of the comparison.
+std::string withoutChoices(const std::string& text) {
+  static const std::regex list("; choose .*");
+  return std::regex_replace(text, list, "; choose ...");
+}
+
 TEST(BadInput, ThereAreAtLeastSixtyScenes) { EXPECT_GE(badScenes().size(), 60u); }
 
 class BadScene : public testing::TestWithParam<std::string> {};
@@ -50,7 +59,7 @@ TEST_P(BadScene, IsRefusedWithTheExpectedMessage) {
   input.workingFolder = kFolder;
   const ProgramResult result = runBrume(input);
   EXPECT_EQ(result.out, "");
-  EXPECT_EQ(result.err, readFile(kFolder / (name + ".expected")));
+  EXPECT_EQ(withoutChoices(result.err), withoutChoices(readFile(kFolder / (name + ".expected"))));
   EXPECT_THAT(result.err, testing::AnyOf(HasSubstr(".pbrt:"), HasSubstr(".spd")));
   expectCheapRefusal(result);
 }
@@ -77,10 +86,9 @@ TEST(BadInput, TenMegabytesOfOneToken) {
   const std::string forty(40, 'x');
   EXPECT_EQ(refusalOf(folder, std::string(kTenMegabytes, 'x')),
             "bad.pbrt:1:1: error: there is no directive '" + forty + "...'");
-  EXPECT_EQ(refusalOf(folder, "WorldBegin Shape \"" + std::string(kTenMegabytes, 'x') + "\""),
-            "bad.pbrt:1:18: error: unknown Shape \"" + forty +
-                "...\"; choose 'cone', 'cylinder', 'disk', 'heightfield', 'hyperboloid', "
-                "'loopsubdiv', 'nurbs', 'paraboloid', 'sphere' or 'trianglemesh'");
+  EXPECT_THAT(
+      refusalOf(folder, "WorldBegin Shape \"" + std::string(kTenMegabytes, 'x') + "\""),
+      StartsWith("bad.pbrt:1:18: error: unknown Shape \"" + forty + "...\"; choose 'cone', "));
   EXPECT_EQ(refusalOf(folder, "Translate " + std::string(kTenMegabytes, '9') + " 0 0"),
             "bad.pbrt:1:11: error: '" + std::string(40, '9') + "...' is too large");
   EXPECT_EQ(refusalOf(folder, "WorldBegin Shape \"sphere\" \"float radius\" " +
@@ -91,6 +99,31 @@ TEST(BadInput, TenMegabytesOfOneToken) {
                                   std::string(kTenMegabytes, '\n')),
             "bad.pbrt:1:27: error: the list of \"float radius\" is not closed: ']' is missing "
             "before the end of the file");
+}
+
+TEST(BadInput, MessagesStayShortWhateverTheyQuote) {
+  const TemporaryFolder folder;
+  const std::string huge(kTenMegabytes, 'x');
+  EXPECT_THAT(refusalOf(folder, "WorldBegin Shape \"sphere\" \"integer " + huge + "\" 1.5"),
+              HasSubstr("1.5 is no integer"));
+  EXPECT_THAT(refusalOf(folder, "WorldBegin Shape \"sphere\" \"float " + huge + "\" [1 2 \"3\"]"),
+              HasSubstr("...\" takes numbers, not the string '3'"));
+  EXPECT_THAT(
+      refusalOf(folder,
+                "WorldBegin Texture \"t\" \"color\" \"imagemap\" \"string wrap\" \"" + huge + "\""),
+      HasSubstr("parameter \"string wrap\" of 'imagemap' is 'xxxx"));
+  EXPECT_THAT(refusalOf(folder, "Include \"" + huge + "\""), HasSubstr("cannot read 'xxxx"));
+}
+
+TEST(BadInput, APipeIsReadOnce) {
+  const TemporaryFolder folder;
+  const std::string pipe = (folder.path() / "pipe").string();
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  std::thread writer([&] { std::ofstream(pipe) << "Shap"; });
+  const ProgramResult result = runBrume({{"--check", pipe}});
+  writer.join();
+  EXPECT_EQ(result.exitCode, 1);
+  EXPECT_THAT(result.err, HasSubstr("pipe:1:1: error: there is no directive 'Shap'"));
 }
 
 TEST(BadInput, BinaryNoise) {

@@ -13,58 +13,6 @@ namespace brume {
 
 namespace {
 
-/// What a type word says about its values.
-enum class ValueKind {
-  Float,
-  Integer,
-  Bool,
-  Point,
-  Vector,
-  Normal,
-  String,
-  Texture,
-  Rgb,
-  Xyz,
-  Blackbody,
-  Spectrum
-};
-
-struct TypeWord {
-  const char* word;
-  ValueKind kind;
-};
-constexpr TypeWord kTypeWords[] = {
-    {"float", ValueKind::Float},      {"integer", ValueKind::Integer},
-    {"bool", ValueKind::Bool},        {"point", ValueKind::Point},
-    {"vector", ValueKind::Vector},    {"normal", ValueKind::Normal},
-    {"string", ValueKind::String},    {"texture", ValueKind::Texture},
-    {"color", ValueKind::Rgb},        {"rgb", ValueKind::Rgb},
-    {"xyz", ValueKind::Xyz},          {"blackbody", ValueKind::Blackbody},
-    {"spectrum", ValueKind::Spectrum}};
-
-ParamType paramType(ValueKind kind) {
-  switch (kind) {
-    case ValueKind::Float:
-      return ParamType::Float;
-    case ValueKind::Integer:
-      return ParamType::Integer;
-    case ValueKind::Bool:
-      return ParamType::Bool;
-    case ValueKind::Point:
-      return ParamType::Point;
-    case ValueKind::Vector:
-      return ParamType::Vector;
-    case ValueKind::Normal:
-      return ParamType::Normal;
-    case ValueKind::String:
-      return ParamType::String;
-    case ValueKind::Texture:
-      return ParamType::Texture;
-    default:
-      return ParamType::Color;
-  }
-}
-
 /// Why a number does not fit a float; null when it does.
 const char* storeFloat(double value, float& out) {
   if (!(std::abs(value) <= static_cast<double>(std::numeric_limits<float>::max())))
@@ -152,14 +100,6 @@ Rgb rgbFromPairs(const Pairs& pairs, const std::string& what, const SourceLocati
 
 }  // namespace
 
-/// The text in front of the values, taken apart.
-struct ParamListReader::Declaration {
-  ValueKind kind;
-  std::string written;  ///< "type name", for messages
-  std::string name;
-  SourceLocation where;
-};
-
 ParamSet ParamListReader::read(const SourceLocation& where) {
   ParamSet set(where);
   while (tokens_.peek().kind == Token::Kind::String) {
@@ -174,43 +114,16 @@ ParamSet ParamListReader::read(const SourceLocation& where) {
 }
 
 Param ParamListReader::readParam() {
-  const Declaration decl = parseDeclaration(tokens_.next());
+  const ParamDeclaration decl = parseDeclaration(tokens_.next());
   Param param;
-  param.type = paramType(decl.kind);
+  param.type = decl.type;
   param.name = decl.name;
   param.where = decl.where;
   param.values = readValues(decl);
   return param;
 }
 
-ParamListReader::Declaration ParamListReader::parseDeclaration(const Token& token) const {
-  constexpr std::string_view kBlanks = " \t\r\n";
-  const std::string_view text = token.text;
-  const std::size_t typeBegin = std::min(text.find_first_not_of(kBlanks), text.size());
-  const std::size_t typeEnd = std::min(text.find_first_of(kBlanks, typeBegin), text.size());
-  const std::size_t nameBegin = std::min(text.find_first_not_of(kBlanks, typeEnd), text.size());
-  const std::size_t nameEnd = std::min(text.find_first_of(kBlanks, nameBegin), text.size());
-  const std::string type(text.substr(typeBegin, typeEnd - typeBegin));
-  const std::string name(text.substr(nameBegin, nameEnd - nameBegin));
-
-  const auto* known = std::find_if(std::begin(kTypeWords), std::end(kTypeWords),
-                                   [&](const TypeWord& w) { return type == w.word; });
-  if (known == std::end(kTypeWords)) {
-    std::vector<std::string> words;
-    for (const TypeWord& w : kTypeWords) words.emplace_back(w.word);
-    throw SceneError(token.where,
-                     fmt::format("{} does not begin with a parameter type: {}{}", quote(text),
-                                 listChoices(words), nearestSpelling(type, words)));
-  }
-  if (name.empty())
-    throw SceneError(token.where,
-                     fmt::format("the parameter {} has a type but no name", quote(text)));
-  if (text.find_first_not_of(kBlanks, nameEnd) != std::string_view::npos)
-    throw SceneError(token.where, fmt::format("{} must be a type and a name", quote(text)));
-  return {known->kind, fmt::format("\"{} {}\"", type, name), name, token.where};
-}
-
-bool ParamListReader::openList(const Declaration& decl) {
+bool ParamListReader::openList(const ParamDeclaration& decl) {
   const Token& token = tokens_.peek();
   if (token.kind == Token::Kind::Number || token.kind == Token::Kind::String) return false;
   if (token.kind == Token::Kind::Word && (token.text == "true" || token.text == "false"))
@@ -224,7 +137,7 @@ bool ParamListReader::openList(const Declaration& decl) {
   return true;
 }
 
-void ParamListReader::checkOwnKind(const Declaration& decl, const Token& token,
+void ParamListReader::checkOwnKind(const ParamDeclaration& decl, const Token& token,
                                    Token::Kind wanted) const {
   if (token.kind == wanted) return;
   if (token.kind == Token::Kind::End || token.kind == Token::Kind::Open)
@@ -241,7 +154,7 @@ void ParamListReader::checkOwnKind(const Declaration& decl, const Token& token,
 }
 
 template <class Sink>
-void ParamListReader::readNumberList(const Declaration& decl, bool isBracketed, Sink& sink) {
+void ParamListReader::readNumberList(const ParamDeclaration& decl, bool isBracketed, Sink& sink) {
   std::size_t count = 0;
   const auto store = [&](double value) {
     ++count;
@@ -274,7 +187,8 @@ void ParamListReader::readNumberList(const Declaration& decl, bool isBracketed, 
                                              decl.written, count, Sink::kGroup));
 }
 
-std::vector<std::string> ParamListReader::readStrings(const Declaration& decl, bool isBracketed) {
+std::vector<std::string> ParamListReader::readStrings(const ParamDeclaration& decl,
+                                                      bool isBracketed) {
   std::vector<std::string> list;
   do {
     Token token = tokens_.next();
@@ -287,7 +201,7 @@ std::vector<std::string> ParamListReader::readStrings(const Declaration& decl, b
   return list;
 }
 
-Param::Values ParamListReader::readValues(const Declaration& decl) {
+Param::Values ParamListReader::readValues(const ParamDeclaration& decl) {
   const bool isBracketed = openList(decl);
   switch (decl.kind) {
     case ValueKind::Float: {
@@ -323,7 +237,7 @@ Param::Values ParamListReader::readValues(const Declaration& decl) {
   }
 }
 
-Param::Values ParamListReader::readBools(const Declaration& decl, bool isBracketed) {
+Param::Values ParamListReader::readBools(const ParamDeclaration& decl, bool isBracketed) {
   std::vector<bool> list;
   for (const std::string& word : readStrings(decl, isBracketed)) {
     if (word != "true" && word != "false")
@@ -335,7 +249,7 @@ Param::Values ParamListReader::readBools(const Declaration& decl, bool isBracket
 }
 
 /// Spectra become colours here, at the precision of the matching functions.
-Param::Values ParamListReader::readColors(const Declaration& decl, bool isBracketed) {
+Param::Values ParamListReader::readColors(const ParamDeclaration& decl, bool isBracketed) {
   if (decl.kind == ValueKind::Rgb || decl.kind == ValueKind::Xyz) {
     TripleSink<Rgb> sink;
     readNumberList(decl, isBracketed, sink);
@@ -363,7 +277,7 @@ Param::Values ParamListReader::readColors(const Declaration& decl, bool isBracke
   return colors;
 }
 
-Rgb ParamListReader::spectrumFile(const Declaration& decl, const std::string& name) {
+Rgb ParamListReader::spectrumFile(const ParamDeclaration& decl, const std::string& name) {
   const std::string path = resolvePath(tokens_.searchDirectory(), name);
   if (const auto known = spectra_.find(path); known != spectra_.end()) return known->second;
   const SourceLocation inFile{internFileName(path), 0, 0};
@@ -379,7 +293,8 @@ std::vector<double> ParamListReader::readMatrix(std::string_view directive) {
   if (open.kind != Token::Kind::Open)
     throw SceneError(open.where, fmt::format("{} takes {} numbers in brackets, but {} follows",
                                              directive, kEntries, describe(open)));
-  const Declaration decl{ValueKind::Float, std::string(directive), {}, open.where};
+  const ParamDeclaration decl{
+      ValueKind::Float, ParamType::Float, std::string(directive), {}, open.where};
   DoubleSink sink;
   readNumberList(decl, true, sink);
   if (sink.list.size() != kEntries)

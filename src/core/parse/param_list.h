@@ -7,6 +7,7 @@
 
 #include "core/log.h"
 #include "core/params.h"
+#include "core/parse/param_declaration.h"
 #include "core/parse/token_stream.h"
 
 namespace brume {
@@ -23,19 +24,17 @@ class ParamListReader {
   std::vector<double> readMatrix(std::string_view directive);
 
  private:
-  struct Declaration;
   Param readParam();
-  Declaration parseDeclaration(const Token& token) const;
-  Param::Values readValues(const Declaration& decl);
-  Param::Values readColors(const Declaration& decl, bool isBracketed);
-  Param::Values readBools(const Declaration& decl, bool isBracketed);
+  Param::Values readValues(const ParamDeclaration& decl);
+  Param::Values readColors(const ParamDeclaration& decl, bool isBracketed);
+  Param::Values readBools(const ParamDeclaration& decl, bool isBracketed);
   template <class Sink>
-  void readNumberList(const Declaration& decl, bool isBracketed, Sink& sink);
-  std::vector<std::string> readStrings(const Declaration& decl, bool isBracketed);
-  Rgb spectrumFile(const Declaration& decl, const std::string& name);
+  void readNumberList(const ParamDeclaration& decl, bool isBracketed, Sink& sink);
+  std::vector<std::string> readStrings(const ParamDeclaration& decl, bool isBracketed);
+  Rgb spectrumFile(const ParamDeclaration& decl, const std::string& name);
   /// Whether brackets surround the values. Fails when no value follows at all.
-  bool openList(const Declaration& decl);
-  void checkOwnKind(const Declaration& decl, const Token& token, Token::Kind wanted) const;
+  bool openList(const ParamDeclaration& decl);
+  void checkOwnKind(const ParamDeclaration& decl, const Token& token, Token::Kind wanted) const;
 
   TokenStream& tokens_;
   Log& log_;
