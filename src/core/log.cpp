@@ -37,9 +37,8 @@ std::string formatDiagnostic(const SourceLocation& where, std::string_view kind,
                              const std::string& message) {
   // What a scene says may be quoted in a message, and of any length.
   constexpr std::size_t kLongestMessage = 1500;
-  const std::string text = message.size() <= kLongestMessage
-                               ? message
-                               : message.substr(0, kLongestMessage) + "...";
+  const std::string text =
+      message.size() <= kLongestMessage ? message : message.substr(0, kLongestMessage) + "...";
   std::string result = where.isKnown() ? fmt::format("{}: {}: {}", toString(where), kind, text)
                                        : fmt::format("brume: {}: {}", kind, text);
   if (!where.isKnown() || where.line == 0 || where.column == 0) return result;
