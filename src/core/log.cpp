@@ -12,6 +12,10 @@ namespace brume {
 
 namespace {
 
+/// A fault that an exporter repeats for each shape fills no disk, and each warning searches its
+/// line in the file.
+constexpr int kShownWarnings = 100;
+
 /// Line `number` (from 1) of a file; none when it cannot be read again (standard input).
 std::optional<std::string> readLine(const std::string& path, std::uint32_t number) {
   std::error_code unreadable;  // a pipe has been read, and opening it again would wait for ever
@@ -62,7 +66,11 @@ void Log::warning(const SourceLocation& where, const std::string& text) {
   if (options_.strict) throw SceneError(where, text);
   std::lock_guard lock(mutex_);
   ++warnings_;
-  if (options_.verbosity != Verbosity::Quiet) print(formatDiagnostic(where, "warning", text));
+  if (options_.verbosity == Verbosity::Quiet || warnings_ > kShownWarnings + 1) return;
+  print(warnings_ <= kShownWarnings
+            ? formatDiagnostic(where, "warning", text)
+            : fmt::format("brume: warning: more than {} warnings; the others are not shown",
+                          kShownWarnings));
 }
 
 void Log::verbose(const std::string& text) {

@@ -144,6 +144,22 @@ TEST(BadInput, BlocksOpenedAMillionTimes) {
             "bad.pbrt:10002:1: error: more than 10000 blocks are open here");
 }
 
+TEST(BadInput, WarningsAndParametersWithoutEnd) {
+  const TemporaryFolder folder;
+  std::string text = "WorldBegin\n";
+  for (int i = 0; i < 100'000; ++i) text += "Shape \"sphere\" \"float radios\" 2\n";
+  folder.write("bad.pbrt", text + "WorldEnd\n");
+  const ProgramResult result =
+      runBrume({.arguments = {"--check", "bad.pbrt"}, .workingFolder = folder.path()});
+  EXPECT_EQ(result.exitCode, 0);
+  EXPECT_LT(std::count(result.err.begin(), result.err.end(), '\n'), 310);
+  EXPECT_THAT(result.err, HasSubstr("the others are not shown"));
+
+  text = "WorldBegin Shape \"sphere\"\n";
+  for (int i = 0; i < 100'000; ++i) text += "\"float p" + std::to_string(i) + "\" 1\n";
+  EXPECT_THAT(refusalOf(folder, text), HasSubstr("more than 1000 parameters in one list"));
+}
+
 TEST(BadInput, TexturesOfTexturesOfTextures) {
   const TemporaryFolder folder;
   std::string text = "WorldBegin\nTexture \"t0\" \"float\" \"constant\"\n";

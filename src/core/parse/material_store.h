@@ -4,6 +4,7 @@
 #include <deque>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -30,7 +31,7 @@ class MaterialStore final : public Material::FactoryContext::Lookup {
 
   struct ForShape {
     const Material* material = nullptr;
-    std::vector<std::string> paramNames;  ///< that a Shape may override
+    std::span<const std::string> paramNames;  ///< that a Shape may override
   };
   /// The material of a directive with the shape's parameters in front, or a named material, which
   /// shapes do not override.

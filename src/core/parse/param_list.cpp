@@ -13,6 +13,9 @@ namespace brume {
 
 namespace {
 
+/// Far above what any plugin declares; the search for doubles takes its square.
+constexpr std::size_t kMaxParams = 1000;
+
 /// Why a number does not fit a float; null when it does.
 const char* storeFloat(double value, float& out) {
   if (!(std::abs(value) <= static_cast<double>(std::numeric_limits<float>::max())))
@@ -109,6 +112,8 @@ ParamSet ParamListReader::read(const SourceLocation& where) {
                    fmt::format("\"{} {}\" is given twice in this list; the later one counts",
                                toString(param.type), param.name));
     set.add(std::move(param));
+    if (set.params().size() > kMaxParams)
+      throw SceneError(where, fmt::format("more than {} parameters in one list", kMaxParams));
   }
   return set;
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "core/io/source_file.h"
 #include "core/parse/find_plugin.h"
 #include "core/parse/scene_builder.h"
@@ -22,6 +24,11 @@ bool isSimilarity(const Transform& t) {
   return std::abs(dot(y, y) - s) < kTolerance * s && std::abs(dot(z, z) - s) < kTolerance * s &&
          std::abs(dot(x, y)) < kTolerance * s && std::abs(dot(y, z)) < kTolerance * s &&
          std::abs(dot(z, x)) < kTolerance * s;
+}
+
+bool hasUnused(const ParamSet& set) {
+  return std::any_of(set.params().begin(), set.params().end(),
+                     [](const Param& p) { return !p.used; });
 }
 
 }  // namespace
@@ -110,9 +117,11 @@ void SceneBuilder::shape(PluginDirective directive) {
       world.graphics.namedMaterial
           ? world.materials.forShape(*world.graphics.namedMaterial)
           : world.materials.forShape(world.graphics.material, directive.params);
-  std::vector<std::string> known = reader.declared();
-  known.insert(known.end(), material.paramNames.begin(), material.paramNames.end());
-  reportUnusedParams(directive.params, directive.name, entry.origin, known, log_);
+  if (hasUnused(directive.params)) {
+    std::vector<std::string> known = reader.declared();
+    known.insert(known.end(), material.paramNames.begin(), material.paramNames.end());
+    reportUnusedParams(directive.params, directive.name, entry.origin, known, log_);
+  }
 
   const Primitive primitive{&made, material.material, makeAreaLight(made, place, where)};
   if (place.group) {
