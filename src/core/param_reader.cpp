@@ -206,8 +206,16 @@ void ParamReader::visitRgbTexture(const ParamDecl& decl, RgbSlot& v) {
     }
     v = RgbSlot{Rgb(), texture};
   } else if (const Param* value = find(decl, ParamType::Color, 1)) {
-    v = RgbSlot{std::get<std::vector<Rgb>>(value->values).front(), nullptr};
-    for (int c = 0; c < 3; ++c) checkRange(*value, decl, v.constant[c]);
+    Rgb color = std::get<std::vector<Rgb>>(value->values).front();
+    // Reflectances that were given as spectra may lie outside of Rec. 709: PBRT-v2 cuts them at 0.
+    if (decl.lo == 0 && color.isFinite() && color.minChannel() < 0) {
+      log_.warning(value->where, fmt::format("\"{}\" has a negative component, ({:g}, {:g}, {:g}); "
+                                             "it counts as 0",
+                                             decl.name, color.r, color.g, color.b));
+      color = max(color, 0.f);
+    }
+    v = RgbSlot{color, nullptr};
+    for (int c = 0; c < 3; ++c) checkRange(*value, decl, color[c]);
   }
 }
 

@@ -157,6 +157,18 @@ TEST(Params, TexturesComeBeforeValuesAndTheFirstSetBeforeTheSecond) {
   EXPECT_EQ(e.Kd.constant, Rgb(.9f));
 }
 
+TEST(Params, NegativeReflectancesCountAsZeroWithAWarning) {
+  ParamSet set = paramSet({color("Kd", Rgb(-.01f, .5f, .2f))});
+  Log log(Log::Options{Verbosity::Normal, false, true});
+  ParamReader reader({&set}, "matte", ".", nullptr, log);
+  Everything e;
+  e.visit(reader);
+  EXPECT_EQ(e.Kd.constant, Rgb(0, .5f, .2f));
+  ASSERT_EQ(log.captured().size(), 1u);
+  EXPECT_THAT(log.captured()[0],
+              HasSubstr("\"Kd\" has a negative component, (-0.01, 0.5, 0.2); it counts as 0"));
+}
+
 TEST(Params, UnknownOnesAreWarningsOrErrors) {
   ParamSet set = paramSet({floats("radios", {1})});
   Log log(Log::Options{Verbosity::Normal, false, true});
