@@ -2,6 +2,7 @@
 #include "core/light.h"
 
 #include <gmock/gmock.h>
+#include <unistd.h>
 
 #include "core/light_map.h"
 #include "core/rng.h"
@@ -9,6 +10,11 @@
 
 namespace brume {
 namespace {
+
+/// Files of this process alone: tests run side by side.
+std::string ownTempDir() {
+  return testing::TempDir() + "brume_light_" + std::to_string(::getpid()) + "_";
+}
 
 using namespace test;
 using testing::HasSubstr;
@@ -31,7 +37,7 @@ std::string writeMap(const char* name, int width, int height) {
     for (int i = 0; i < width * height; ++i)
       values.push_back(i % width == 0 ? 0.f : rng.uniform() + (i == width + 2 ? 20.f : 0.f));
   }
-  std::string path = testing::TempDir() + name;
+  std::string path = ownTempDir() + name;
   writeImage(path, image, PixelPrecision::Float);
   return path;
 }
@@ -149,7 +155,7 @@ TEST(Light, GoniometricMapHasItsPoleAlongY) {
   image.dataWindow = {{0, 0}, {1, 4}};
   for (const char* c : {"R", "G", "B"}) image.channels[c] = {1, 2, 3, 4};
   for (const char* name : {"rows.exr", "rows.pfm"}) {
-    const std::string path = testing::TempDir() + name;
+    const std::string path = ownTempDir() + name;
     writeImage(path, image, PixelPrecision::Float);
     const auto light = makeLight("goniometric", {string("mapname", path), color("I", Rgb(2))});
     const bool isExr = std::string(name) == "rows.exr";
@@ -189,7 +195,7 @@ TEST(Light, ProjectionPutsTheFirstRowBelow) {
   image.displaySize = {2, 2};
   image.dataWindow = {{0, 0}, {2, 2}};
   for (const char* c : {"R", "G", "B"}) image.channels[c] = {1, 2, 3, 4};
-  const std::string path = testing::TempDir() + "slide2.exr";
+  const std::string path = ownTempDir() + "slide2.exr";
   writeImage(path, image, PixelPrecision::Float);
   const auto light = makeLight("projection", {string("mapname", path), floats("fov", {90})});
   const auto value = [&](float x, float y) {
@@ -218,7 +224,7 @@ TEST(Light, InfiniteLightHasZUpAndXAtTheLeftBorder) {
   image.displaySize = {4, 2};
   image.dataWindow = {{0, 0}, {4, 2}};
   for (const char* c : {"R", "G", "B"}) image.channels[c] = {0, 0, 0, 0, 1, 2, 3, 4};
-  const std::string path = testing::TempDir() + "zup.exr";
+  const std::string path = ownTempDir() + "zup.exr";
   writeImage(path, image, PixelPrecision::Float);
   const auto light = makeLight("infinite", {string("mapname", path)});
   const auto towards = [&](float degrees, float z) {
@@ -300,7 +306,7 @@ TEST(Light, InfiniteLightSurvivesExtremeMaps) {
   for (const char* c : {"R", "G", "B"}) image.channels[c].assign(16, 0.f);
   for (float v : {0.f, 1e30f, kInfinity, -1.f, std::numeric_limits<float>::quiet_NaN()}) {
     for (const char* c : {"R", "G", "B"}) image.channels[c][5] = v;
-    const std::string path = testing::TempDir() + "extreme.exr";
+    const std::string path = ownTempDir() + "extreme.exr";
     writeImage(path, image, PixelPrecision::Float);
     const auto light = makeLight("infinite", {string("mapname", path)});
     Rng rng(2);

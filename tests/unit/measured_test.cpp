@@ -2,8 +2,9 @@
 // Measured BRDFs on files made here, both formats.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-
+#include <unistd.h>
 #include <cstring>
+
 #include <filesystem>
 #include <fstream>
 
@@ -16,7 +17,10 @@ namespace {
 
 using testing::HasSubstr;
 
-std::string tempPath(const std::string& name) { return testing::TempDir() + "brume_" + name; }
+/// Of this process alone: tests of one suite run side by side.
+std::string tempPath(const std::string& name) {
+  return testing::TempDir() + "brume_" + std::to_string(::getpid()) + "_" + name;
+}
 
 void write(const std::string& path, std::string_view bytes) {
   std::ofstream(path, std::ios::binary) << bytes;
