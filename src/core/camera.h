@@ -48,6 +48,8 @@ class Camera {
   /// The ray through a sample, with the footprint of one pixel (scaled by the caller for several
   /// samples).
   virtual FootprintRay generateRay(const CameraSample& sample) const = 0;
+  /// Times between which the shutter is open.
+  Interval shutter() const { return {shutterOpen_, shutterClose_}; }
 
  protected:
   /// Checks the shutter and warns of a scale in the camera's transform.

@@ -2,9 +2,13 @@
 // The three kinds of integrator (DESIGN.md 4). Per camera ray: L = Li_surface Tr + Lv.
 #pragma once
 
+#include <atomic>
+#include <functional>
 #include <memory>
 #include <string_view>
 
+#include "core/camera.h"
+#include "core/film.h"
 #include "core/params.h"
 #include "core/ray.h"
 #include "core/sampler.h"
@@ -17,6 +21,15 @@ namespace brume {
 struct RenderContext {
   SampleStream& samples;
   Stats& stats;
+};
+
+/// What an integrator may use before the first camera ray, to trace photons and build maps.
+struct PrepareContext {
+  std::uint64_t seed = 0;
+  Interval shutter{0, 1};         ///< times at which the scene is seen
+  const std::atomic<bool>& stop;  ///< set: leave off as soon as possible; no ray will be asked for
+  Stats& stats;
+  Log& log;
 };
 
 /// What an integrator is made from, beside its parameters. The scene outlives it.
@@ -69,6 +82,9 @@ class SurfaceIntegrator {
   static constexpr std::string_view kPluginKind = "SurfaceIntegrator";
   using FactoryContext = IntegratorFactoryContext;
   virtual ~SurfaceIntegrator() = default;
+  /// Called once, before the first Li. Throws SceneError when the scene gives no ground to stand
+  /// on.
+  virtual void prepare(PrepareContext&) {}
   /// Radiance leaving the hit towards the ray's origin, before attenuation on the way.
   virtual Rgb Li(const SurfaceQuery& query, RenderContext& context) const = 0;
 };
@@ -80,9 +96,36 @@ class GlobalIntegrator {
   static constexpr std::string_view kPluginKind = "GlobalIntegrator";
   using FactoryContext = IntegratorFactoryContext;
   virtual ~GlobalIntegrator() = default;
+  /// Called once, before the first ray or pass. Throws SceneError when the scene gives no ground to
+  /// stand on.
+  virtual void prepare(PrepareContext&) {}
 };
 
 /// A global integrator that answers per camera ray: the tile renderer runs it.
 class RayGlobalIntegrator : public GlobalIntegrator, public RayRadiance {};
+
+/// What one pass of a PassGlobalIntegrator works with; everything outlives the pass.
+struct PassContext {
+  const Camera& camera;
+  const Sampler& sampler;
+  Film& film;
+  std::uint64_t seed = 0;
+  std::int64_t pass = 0;   ///< from 0
+  bool footprints = true;  ///< whether any texture will look at the rays' differentials
+  const std::atomic<bool>& stop;
+  Stats& stats;
+};
+
+/// A global integrator that answers per pass: each pass adds one estimate of every pixel to the
+/// film, so that the image, its variance and the limits of a render are those of the film.
+class PassGlobalIntegrator : public GlobalIntegrator {
+ public:
+  /// Passes when nothing else limits the render.
+  virtual std::int64_t defaultPasses() const = 0;
+  /// Called with pass = 0, 1, ... in order. Returns false, with nothing added to the film, when
+  /// `stop` was set meanwhile. `onShare` is told the share of the pass that is done.
+  virtual bool renderPass(const PassContext& context,
+                          const std::function<void(double share)>& onShare) = 0;
+};
 
 }  // namespace brume

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/light.h"
 
+#include "core/sampling.h"
+
 namespace brume {
 
 float lightWeight(const Rgb& c) {
@@ -45,6 +47,27 @@ std::optional<LightSample> samplePosition(const Vec3& p, const Vec3& lightPositi
 float oneMinusCosTheta(const Vec3& w) {
   const double x = w.x, y = w.y, z = w.z, l2 = x * x + y * y + z * z, l = std::sqrt(l2);
   return static_cast<float>(z > 0 ? (x * x + y * y) / (l2 + z * l) : 1 - z / l);
+}
+
+float oneMinusCosSeen(const Vec3& p, const Ball& ball) {
+  const Vec3d d = Vec3d(ball.center) - Vec3d(p);
+  // A little wider than the ball, for the rounding of directions.
+  const double radius = double{ball.radius} * 1.0001, sin2 = radius * radius / dot(d, d);
+  return sin2 < 1 ? static_cast<float>(sin2 / (1 + std::sqrt(1 - sin2))) : 2.f;
+}
+
+AimedDirection aimAt(const Ball& ball, const Vec3& from, Vec2 u) {
+  const float omc = oneMinusCosSeen(from, ball);
+  if (omc >= 2.f) return {sampleUniformSphere(u), kInv4Pi};
+  const Frame frame = Frame::fromZ(Vec3(normalize(Vec3d(ball.center) - Vec3d(from))));
+  return {frame.fromLocal(sampleUniformCone(u, omc)), coneUniformPdf(omc)};
+}
+
+Vec3 startOfParallelRay(const Ball& target, const Ball& scene, const Vec3& d, Vec2 u) {
+  const Frame frame = Frame::fromZ(d);
+  const Vec2 p = target.radius * sampleConcentricDisk(u);
+  const float back = distance(target.center, scene.center) + scene.radius + target.radius;
+  return target.center + frame.x * p.x + frame.y * p.y - d * back;
 }
 
 Transform lightFrame(const Vec3& from, const Vec3& to, const SourceLocation& where) {

@@ -22,6 +22,24 @@ struct LightSample {
   Vec3 p{0}, pError{0}, n{0};
 };
 
+/// What light paths are to reach, render space.
+struct Ball {
+  Vec3 center{0};
+  float radius = 0;
+};
+
+/// Random numbers for the start of one light path.
+struct EmissionUniforms {
+  Vec2 point{0}, direction{0};
+};
+
+/// The start of a light path.
+struct LightEmission {
+  Vec3 o{0};  ///< just outside of the light's surface, or outside of the scene
+  Vec3 d{0};  ///< unit, the way the light travels
+  Rgb power;  ///< alpha = emitted radiance [times cosine] over the density of the choice [W]
+};
+
 /// A source of light in render space. Immutable and thread-safe.
 class Light {
  public:
@@ -54,6 +72,21 @@ class Light {
   virtual Rgb Le(const Ray&) const { return {}; }
   /// Total emitted power [W].
   virtual Rgb power() const = 0;
+  /// Starts a light path that may meet the target: for every function g of rays that is 0 on those
+  /// which miss it, E[power g(o, d)] is the integral of g over the emitted power. Directions (and
+  /// points) are drawn in proportion to the emission as far as that is cheap, or evenly towards the
+  /// target where it fills a small part of the directions. None: this sample carries nothing.
+  virtual std::optional<LightEmission> sampleEmission(const Ball& target,
+                                                      const EmissionUniforms& u) const {
+    static_cast<void>(target), static_cast<void>(u);
+    return std::nullopt;
+  }
+  /// About the power that sampleEmission sends out [W], for the choice of a light; 0 only when it
+  /// sends nothing.
+  virtual Rgb powerToward(const Ball& target) const {
+    static_cast<void>(target);
+    return power();
+  }
   /// Largest plausible irradiance in the box, visibility ignored: the weight with which a light is
   /// chosen. Zero only when no light can arrive there.
   virtual float importance(const Bounds3& region) const = 0;
@@ -83,6 +116,22 @@ class AreaLight : public Light {
                         const Vec3& hitNormal) const = 0;
 };
 
+/// A direction and its density per solid angle.
+struct AimedDirection {
+  Vec3 w{0};
+  float pdf = 0;
+};
+/// 1 - cos of the half angle under which the ball is seen from p; 2 (all directions) from inside.
+float oneMinusCosSeen(const Vec3& p, const Ball& ball);
+/// Even over the directions in which the ball lies.
+AimedDirection aimAt(const Ball& ball, const Vec3& from, Vec2 u);
+/// A ray of parallel light, even over the disk that the target shows along d; it starts outside of
+/// the scene. Irradiance times Pi radius^2 is its power.
+Vec3 startOfParallelRay(const Ball& target, const Ball& scene, const Vec3& d, Vec2 u);
+/// The ball around a box.
+inline Ball ballAround(const Bounds3& b) {
+  return b.isEmpty() ? Ball{} : Ball{b.center(), b.radius()};
+}
 /// The weight of a light's colour when lights are chosen: luminance of the absolute values, so that
 /// it vanishes only for black.
 float lightWeight(const Rgb& c);

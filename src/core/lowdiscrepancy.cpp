@@ -47,8 +47,11 @@ std::uint32_t permutedIndex(std::uint32_t i, std::uint32_t n, std::uint32_t seed
 }
 
 ScrambledSequence::Scramble ScrambledSequence::nextScramble() {
-  const std::uint64_t h = mixBits(pixelKey_ + 0x9e3779b97f4a7c15ull * ++dimension_);
-  const auto low = static_cast<std::uint32_t>(h), high = static_cast<std::uint32_t>(h >> 32);
+  return Scramble::of(mixBits(pixelKey_ + 0x9e3779b97f4a7c15ull * ++dimension_));
+}
+
+ScrambledSequence::Scramble ScrambledSequence::Scramble::of(std::uint64_t bits) {
+  const auto low = static_cast<std::uint32_t>(bits), high = static_cast<std::uint32_t>(bits >> 32);
   // The third number need only differ from the other two: its bits meet other hash steps.
   return {low, high, (low ^ std::rotl(high, 13)) * 0x9e3779b9u};
 }

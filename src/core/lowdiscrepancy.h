@@ -71,6 +71,15 @@ class ScrambledSequence : public PixelSampler {
  public:
   static constexpr std::uint32_t kSequenceDimensions = 32;
 
+  /// The random numbers behind one dimension: for the order of its points, and for either axis.
+  struct Scramble {
+    std::uint32_t order, x, y;
+    /// From 64 random bits.
+    static Scramble of(std::uint64_t bits);
+  };
+  /// The point of a dimension with the given bit-reversed index.
+  static Vec2 point(std::uint32_t reversedIndex, const Scramble& scramble);
+
   float get1D() final;
   Vec2 get2D() final;
   void get1DArray(std::span<float> values) final;
@@ -89,13 +98,8 @@ class ScrambledSequence : public PixelSampler {
   std::uint32_t sampleIndex() const { return index_; }
 
  private:
-  /// The random numbers behind one dimension.
-  struct Scramble {
-    std::uint32_t order, x, y;
-  };
   Scramble nextScramble();
   Vec2 hashed(std::uint32_t index, const Scramble& scramble) const;
-  static Vec2 point(std::uint32_t reversedIndex, const Scramble& scramble);
 
   std::uint64_t pixelKey_ = 0;
   std::uint32_t index_ = 0, reversedIndex_ = 0, dimension_ = 0;

@@ -23,6 +23,12 @@ std::string_view statName(Stat stat) {
       return "Volumes/samples";
     case Stat::RussianRouletteStops:
       return "Paths/roulette stops";
+    case Stat::PhotonPaths:
+      return "Photons/paths";
+    case Stat::PhotonSegments:
+      return "Photons/path segments";
+    case Stat::PhotonsStored:
+      return "Photons/stored";
     case Stat::NanRadiance:
       return "Faults/NaN radiance";
     case Stat::InfiniteRadiance:

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/light.h"
 #include "core/registry.h"
+#include "core/sampling.h"
 
 namespace brume {
 namespace {
@@ -64,6 +65,8 @@ class DiffuseAreaLight final : public AreaLight {
     return lightWeight(L_) * 2 * kPi / (1 + 2 * kPi / perDistance);
   }
   std::optional<Vec3> position() const override { return bounds_.center(); }
+  std::optional<LightEmission> sampleEmission(const Ball& target,
+                                              const EmissionUniforms& u) const override;
 
  private:
   /// 1/d^2 between the region and the point of the shape's bounds that is nearest to it.
@@ -77,6 +80,24 @@ class DiffuseAreaLight final : public AreaLight {
   float area_ = 0;
   Bounds3 bounds_;
 };
+
+/// A point by area and a cosine-distributed direction, or one towards a target that fills a small
+/// part of the hemisphere.
+std::optional<LightEmission> DiffuseAreaLight::sampleEmission(const Ball& target,
+                                                              const EmissionUniforms& u) const {
+  const ShapeSample at = shape_.sampleArea(u.point);
+  if (!(at.pdf > 0)) return std::nullopt;
+  constexpr float kSmall = 0.25f;  // 1 - cos
+  const auto start = [&](const Vec3& w) { return offsetRayOrigin(at.p, at.pError, at.n, w); };
+  if (oneMinusCosSeen(at.p, target) < kSmall) {
+    const AimedDirection aimed = aimAt(target, at.p, u.direction);
+    const float cosine = dot(aimed.w, at.n);
+    if (!(cosine > 0)) return std::nullopt;
+    return LightEmission{start(aimed.w), aimed.w, L_ * (cosine / (at.pdf * aimed.pdf))};
+  }
+  const Vec3 w = Frame::fromZ(at.n).fromLocal(sampleCosineHemisphere(u.direction));
+  return LightEmission{start(w), w, L_ * (kPi / at.pdf)};
+}
 
 const RegisterPlugin<AreaLight, DiffuseAreaLight> kRegistration{"diffuse", Origin::PbrtV2,
                                                                 "shape that emits evenly"};

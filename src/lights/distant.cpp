@@ -28,7 +28,7 @@ class DistantLight final : public Light {
   }
 
   bool isDelta() const override { return true; }
-  void setSceneBounds(const Bounds3& bounds) override { sceneRadius_ = bounds.radius(); }
+  void setSceneBounds(const Bounds3& bounds) override { scene_ = ballAround(bounds); }
   std::optional<LightSample> sampleLi(const Vec3&, Vec2) const override {
     LightSample sample;
     sample.L = L_;
@@ -36,13 +36,19 @@ class DistantLight final : public Light {
     sample.pdf = 1;
     return sample;
   }
-  Rgb power() const override { return L_ * (kPi * sqr(sceneRadius_)); }
+  Rgb power() const override { return L_ * (kPi * sqr(scene_.radius)); }
   float importance(const Bounds3&) const override { return lightWeight(L_); }
+  std::optional<LightEmission> sampleEmission(const Ball& target,
+                                              const EmissionUniforms& u) const override {
+    return LightEmission{startOfParallelRay(target, scene_, -towardsLight_, u.point),
+                         -towardsLight_, powerToward(target)};
+  }
+  Rgb powerToward(const Ball& target) const override { return L_ * (kPi * sqr(target.radius)); }
 
  private:
   Rgb L_;
   Vec3 towardsLight_;
-  float sceneRadius_ = 0;
+  Ball scene_;
 };
 
 const RegisterPlugin<Light, DistantLight> kRegistration{"distant", Origin::PbrtV2,

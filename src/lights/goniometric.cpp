@@ -25,14 +25,18 @@ class GoniometricLight final : public Light {
 
   GoniometricLight(const Params& params, const FactoryContext& context)
       : intensity_(params.I * params.scale),
+        lightToWorld_(context.lightToWorld),
         worldToLight_(context.lightToWorld.inverse()),
-        position_(Vec3d(context.lightToWorld.matrix()[3])) {
-    if (params.mapname.isGiven())
+        position_(Vec3d(context.lightToWorld.matrix()[3])),
+        hasScale_(context.lightToWorld.hasScale()) {
+    if (params.mapname.isGiven()) {
       map_.emplace(readLightMap(params.mapname, *context.log));
-    else
+      distribution_ = LatLongDistribution(*map_, intensity_);
+    } else {
       context.log->warning(context.where,
                            "a goniometric light without \"mapname\" emits alike in all directions");
-    if (context.lightToWorld.hasScale())
+    }
+    if (hasScale_)
       context.log->warning(context.where,
                            "the goniometric light's transform has a scale: "
                            "directions in the map are deformed");
@@ -43,10 +47,7 @@ class GoniometricLight final : public Light {
     std::optional<LightSample> sample = samplePosition(p, position_);
     if (!sample) return sample;
     sample->L *= intensity_;
-    if (map_) {
-      const Vec3 w = worldToLight_.vector(-sample->wi);
-      sample->L *= map_->at(Vec3(w.x, w.z, w.y));
-    }
+    if (map_) sample->L *= mapAt(-sample->wi);
     if (sample->L.isBlack()) return std::nullopt;
     return sample;
   }
@@ -58,13 +59,44 @@ class GoniometricLight final : public Light {
            boundedInverseSquare(position_, region);
   }
   std::optional<Vec3> position() const override { return position_; }
+  std::optional<LightEmission> sampleEmission(const Ball& target,
+                                              const EmissionUniforms& u) const override;
+  Rgb powerToward(const Ball& target) const override {
+    const float seen = oneMinusCosSeen(position_, target);
+    return map_ && !isSmall(seen) ? power() : intensity_ * (2 * kPi * seen * mapWeight());
+  }
 
  private:
+  /// Whether to aim at a target seen under this 1 - cos rather than follow the map.
+  bool isSmall(float oneMinusCos) const { return hasScale_ || oneMinusCos < 0.25f; }
+  float mapWeight() const { return map_ ? map_->maxWeight() : 1; }
+  Rgb mapAt(const Vec3& w) const {
+    const Vec3 local = worldToLight_.vector(w);
+    return map_->at(Vec3(local.x, local.z, local.y));
+  }
+
   Rgb intensity_;
-  Transform worldToLight_;
+  Transform lightToWorld_, worldToLight_;
   Vec3 position_;
+  bool hasScale_;
   std::optional<LatLongMap> map_;
+  LatLongDistribution distribution_;
 };
+
+/// By the map, or evenly towards a target that fills few directions.
+std::optional<LightEmission> GoniometricLight::sampleEmission(const Ball& target,
+                                                              const EmissionUniforms& u) const {
+  if (map_ && !isSmall(oneMinusCosSeen(position_, target))) {
+    const LatLongDistribution::Sample s = distribution_.sample(u.direction);
+    if (!(s.pdf > 0)) return std::nullopt;
+    const Vec3 w = lightToWorld_.vector(Vec3(s.w.x, s.w.z, s.w.y));
+    return LightEmission{position_, normalize(w), intensity_ * map_->at(s.st) / s.pdf};
+  }
+  const AimedDirection aimed = aimAt(target, position_, u.direction);
+  const Rgb I = map_ ? intensity_ * mapAt(aimed.w) : intensity_;
+  if (I.isBlack()) return std::nullopt;
+  return LightEmission{position_, aimed.w, I / aimed.pdf};
+}
 
 const RegisterPlugin<Light, GoniometricLight> kRegistration{
     "goniometric", Origin::PbrtV2, "point light with a measured distribution of directions"};

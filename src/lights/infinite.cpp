@@ -51,7 +51,7 @@ class InfiniteLight final : public Light {
   bool isDelta() const override { return false; }
   bool isInfinite() const override { return true; }
   int sampleCount() const override { return sampleCount_; }
-  void setSceneBounds(const Bounds3& bounds) override { sceneRadius_ = bounds.radius(); }
+  void setSceneBounds(const Bounds3& bounds) override { scene_ = ballAround(bounds); }
 
   std::optional<LightSample> sampleLi(const Vec3&, Vec2 u) const override {
     LightSample sample;
@@ -77,8 +77,18 @@ class InfiniteLight final : public Light {
   Rgb Le(const Ray& ray) const override {
     return map_ ? L_ * map_->at(worldToLight_.vector(ray.d)) : L_;
   }
-  Rgb power() const override { return fluence_ * (kPi * sqr(sceneRadius_)); }
+  Rgb power() const override { return fluence_ * (kPi * sqr(scene_.radius)); }
   float importance(const Bounds3&) const override { return lightWeight(fluence_); }
+  std::optional<LightEmission> sampleEmission(const Ball& target,
+                                              const EmissionUniforms& u) const override {
+    const auto from = sampleLi(target.center, u.direction);
+    if (!from) return std::nullopt;
+    return LightEmission{startOfParallelRay(target, scene_, -from->wi, u.point), -from->wi,
+                         from->L * (kPi * sqr(target.radius) / from->pdf)};
+  }
+  Rgb powerToward(const Ball& target) const override {
+    return fluence_ * (kPi * sqr(target.radius));
+  }
 
  private:
   /// Density factor of a transform with scale for the image w of a unit vector: |w|^3 / det.
@@ -93,7 +103,7 @@ class InfiniteLight final : public Light {
   LatLongDistribution distribution_;
   Rgb fluence_;       // integral of the radiance over all directions
   float volume_ = 0;  // of the transformed unit cube; 0: no scale
-  float sceneRadius_ = 0;
+  Ball scene_;
 };
 
 const RegisterPlugin<Light, InfiniteLight> kRegistration{

@@ -36,6 +36,14 @@ class PointLight final : public Light {
     return lightWeight(intensity_) * boundedInverseSquare(position_, region);
   }
   std::optional<Vec3> position() const override { return position_; }
+  std::optional<LightEmission> sampleEmission(const Ball& target,
+                                              const EmissionUniforms& u) const override {
+    const AimedDirection aimed = aimAt(target, position_, u.direction);
+    return LightEmission{position_, aimed.w, intensity_ / aimed.pdf};
+  }
+  Rgb powerToward(const Ball& target) const override {
+    return intensity_ * (2 * kPi * oneMinusCosSeen(position_, target));
+  }
 
  private:
   Rgb intensity_;

@@ -70,9 +70,7 @@ class SpotLight final : public Light {
     sample->L *= intensity_ * f;
     return sample;
   }
-  Rgb power() const override {
-    return intensity_ * (2 * kPi * (falloffStart_ + (edge_ - falloffStart_) / 5));
-  }
+  Rgb power() const override { return intensity_ * (2 * kPi * emitted()); }
   float importance(const Bounds3& region) const override {
     // A cone deformed by a scale has no angle to test.
     const float f = hasScale_ ? 1 : falloff(smallestOneMinusCos(position_, axis_, region));
@@ -80,6 +78,11 @@ class SpotLight final : public Light {
   }
   std::optional<Vec3> position() const override { return position_; }
   Interval illuminated(const Ray& ray, Interval range) const override;
+  std::optional<LightEmission> sampleEmission(const Ball& target,
+                                              const EmissionUniforms& u) const override;
+  Rgb powerToward(const Ball& target) const override {
+    return intensity_ * (2 * kPi * std::min(emitted(), oneMinusCosSeen(position_, target)));
+  }
 
  private:
   float falloff(float omc) const {
@@ -87,6 +90,11 @@ class SpotLight final : public Light {
     if (omc <= falloffStart_) return 1;
     return sqr(sqr((edge_ - omc) / (edge_ - falloffStart_)));
   }
+
+  /// Integral of the falloff over 1 - cos theta.
+  float emitted() const { return falloffStart_ + (edge_ - falloffStart_) / 5; }
+  /// 1 - cos theta in proportion to the falloff.
+  float sampleFalloff(float u) const;
 
   /// Most points lie outside of a narrow cone: told without a root or a division.
   bool isClearlyOutside(const Vec3& p) const {
@@ -142,6 +150,33 @@ Interval SpotLight::illuminated(const Ray& ray, Interval range) const {
     lit.t1 = std::max(lit.t1, std::min(range.t1, static_cast<float>(cut[i + 1] + slack)));
   }
   return lit;
+}
+
+/// Over x = 1 - cos theta the falloff is 1 up to x_s, then ((x_e - x) / (x_e - x_s))^4: its
+/// integral is x_s + (x_e - x_s) / 5 (1 - y^5) with y the base of the power.
+float SpotLight::sampleFalloff(float u) const {
+  const double width = double{edge_} - double{falloffStart_};
+  const double target = double{u} * double{emitted()};
+  if (target < double{falloffStart_} || !(width > 0)) return static_cast<float>(target);
+  const double rest = std::max(0.0, 1 - 5 * (target - double{falloffStart_}) / width);
+  return static_cast<float>(double{edge_} - width * std::pow(rest, 0.2));
+}
+
+/// In proportion to the intensity, with a constant power; evenly towards the target where that
+/// spans a smaller solid angle than the cone, or where a scale deforms the cone.
+std::optional<LightEmission> SpotLight::sampleEmission(const Ball& target,
+                                                       const EmissionUniforms& u) const {
+  const float seen = oneMinusCosSeen(position_, target);
+  if (hasScale_ || seen < emitted()) {
+    const AimedDirection aimed = aimAt(target, position_, u.direction);
+    const float f = falloff(oneMinusCosTheta(worldToLight_.vector(aimed.w)));
+    if (f == 0) return std::nullopt;
+    return LightEmission{position_, aimed.w, intensity_ * (f / aimed.pdf)};
+  }
+  const float x = sampleFalloff(u.direction.x), sine = std::sqrt(x * std::max(0.f, 2 - x)),
+              phi = 2 * kPi * u.direction.y;
+  const Vec3 local(std::cos(phi) * sine, std::sin(phi) * sine, 1 - x);
+  return LightEmission{position_, normalize(Frame::fromZ(axis_).fromLocal(local)), power()};
 }
 
 const RegisterPlugin<Light, SpotLight> kRegistration{"spot", Origin::PbrtV2,

@@ -17,7 +17,7 @@ constexpr double kSecondsBetweenReports = 0.25;
 
 class PortionLoop {
  public:
-  PortionLoop(TileRenderer& renderer, const Film& film, const RenderLimits& limits)
+  PortionLoop(ImageRenderer& renderer, const Film& film, const RenderLimits& limits)
       : renderer_(renderer), film_(film), limits_(limits) {
     const std::int64_t most = std::max<std::int64_t>(1, kMaxSamples / limits.round);
     total_ = limits.round * std::min(most, limits.rounds.value_or(most));
@@ -28,13 +28,14 @@ class PortionLoop {
 
  private:
   double seconds() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    return limits_.secondsSpent +
+           std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
   }
   std::int64_t nextPortion() const;
   std::optional<StopReason> limitReached();
   RenderProgress progressAt(double share, std::int64_t portion, const Stats& stats) const;
 
-  TileRenderer& renderer_;
+  ImageRenderer& renderer_;
   const Film& film_;
   const RenderLimits& limits_;
   std::int64_t total_ = 0;
@@ -57,7 +58,8 @@ std::int64_t PortionLoop::nextPortion() const {
   // samples as the error needs when its square falls as 1/n.
   const auto done = static_cast<double>(outcome_.samples);
   if (limits_.maxSeconds && done > 0)
-    atMost(0.5 * (*limits_.maxSeconds - seconds()) * done / outcome_.seconds);
+    atMost(0.5 * (*limits_.maxSeconds - seconds()) * done /
+           (outcome_.seconds - limits_.secondsSpent));
   if (limits_.targetError && outcome_.estimatedError)
     atMost(1 + done * (sqr(*outcome_.estimatedError / *limits_.targetError) - 1));
   return std::min(portion, left);
@@ -117,7 +119,7 @@ RenderOutcome PortionLoop::run(const std::atomic<bool>& stop, Stats& stats,
 
 }  // namespace
 
-RenderOutcome renderPortions(TileRenderer& renderer, const Film& film, const RenderLimits& limits,
+RenderOutcome renderPortions(ImageRenderer& renderer, const Film& film, const RenderLimits& limits,
                              const std::atomic<bool>& stop, Stats& stats,
                              const std::function<void(const RenderProgress&)>& progress) {
   return PortionLoop(renderer, film, limits).run(stop, stats, progress);

@@ -5,8 +5,9 @@
 #include <atomic>
 #include <functional>
 
+#include "core/film.h"
+#include "renderers/image_renderer.h"
 #include "renderers/render_job.h"
-#include "renderers/tile_renderer.h"
 
 namespace brume {
 
@@ -16,6 +17,7 @@ struct RenderLimits {
   bool wholeRounds = false;            ///< the sampler cannot split a round
   std::optional<std::int64_t> rounds;  ///< none: only the other limits
   std::optional<double> maxSeconds;    ///< exceeded by less than one portion
+  double secondsSpent = 0;             ///< before the first portion (photon maps); they count
   std::optional<double> targetError;   ///< Film::estimatedRelativeError
 };
 
@@ -28,7 +30,7 @@ struct RenderOutcome {
 
 /// Renders portion after portion until a limit is reached or `stop` is set. Without time and error
 /// limits the portions are of fixed size, so that the image depends on the rounds alone.
-RenderOutcome renderPortions(TileRenderer& renderer, const Film& film, const RenderLimits& limits,
+RenderOutcome renderPortions(ImageRenderer& renderer, const Film& film, const RenderLimits& limits,
                              const std::atomic<bool>& stop, Stats& stats,
                              const std::function<void(const RenderProgress&)>& progress);
 

@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <chrono>
+
 #include "core/camera.h"
 #include "core/compatibility.h"
 #include "core/log.h"
@@ -11,6 +13,7 @@
 #include "renderers/camera_radiance.h"
 #include "renderers/overrides.h"
 #include "renderers/pass_loop.h"
+#include "renderers/pass_renderer.h"
 #include "renderers/plugin_factory.h"
 #include "renderers/tile_renderer.h"
 
@@ -23,6 +26,7 @@ struct RenderJob::Parts {
   void makeIntegrators(RenderOptions& options, PluginFactory& factory);
 
   RenderSettings settings;
+  Log& log;
   std::unique_ptr<Filter> filter;
   std::unique_ptr<Film> film;
   std::unique_ptr<Camera> camera;
@@ -35,7 +39,9 @@ struct RenderJob::Parts {
   std::unique_ptr<VolumeIntegrator> media;
   std::unique_ptr<GlobalIntegrator> global;
   std::unique_ptr<CameraRadiance> joined;
-  const RayRadiance* radiance = nullptr;  // joined, or the global integrator
+  // How the image is made: per ray (joined, or the global integrator), or per pass.
+  const RayRadiance* radiance = nullptr;
+  PassGlobalIntegrator* passes = nullptr;
 
   std::vector<UsedPlugin> plugins;
 };
@@ -62,8 +68,8 @@ void checkSettings(const RenderSettings& settings) {
 
 }  // namespace
 
-RenderJob::Parts::Parts(SceneDescription description, const RenderSettings& settings_, Log& log)
-    : settings(settings_) {
+RenderJob::Parts::Parts(SceneDescription description, const RenderSettings& settings_, Log& log_)
+    : settings(settings_), log(log_) {
   checkSettings(settings);
   RenderOptions& options = description.options;
   overrideIntegrators(settings.integrators, options, log);
@@ -117,9 +123,9 @@ void RenderJob::Parts::makeIntegrators(RenderOptions& options, PluginFactory& fa
 
   if (options.globalIntegrator) {
     global = factory.make<GlobalIntegrator>(*options.globalIntegrator, context);
-    const auto* perRay = dynamic_cast<const RayGlobalIntegrator*>(global.get());
-    BRUME_CHECK(perRay != nullptr);
-    radiance = perRay;
+    radiance = dynamic_cast<const RayGlobalIntegrator*>(global.get());
+    passes = dynamic_cast<PassGlobalIntegrator*>(global.get());
+    BRUME_CHECK(radiance != nullptr || passes != nullptr);
     plan.build(fmt::format("global integrator \"{}\"", options.globalIntegrator->name),
                "it replaces surface and volume integrator");
     return;
@@ -149,21 +155,33 @@ RenderResult RenderJob::run(const std::atomic<bool>& stop,
   const Parts& p = *parts_;
   const Scene::Contents& contents = p.scene->contents();
   const bool footprints = !contents.floatTextures.empty() || !contents.rgbTextures.empty();
-  TileRenderer renderer({*p.camera, *p.sampler, *p.film, *p.radiance, p.settings.seed, footprints});
-
+  std::unique_ptr<ImageRenderer> renderer;
   RenderLimits limits;
-  limits.round = p.sampler->samplesPerPixel();
-  limits.wholeRounds = p.sampler->isAdaptive();
+  if (p.passes) {
+    renderer = std::make_unique<PassRenderer>(PassRenderer::Parts{
+        *p.camera, *p.sampler, *p.film, *p.passes, p.settings.seed, footprints});
+  } else {
+    renderer = std::make_unique<TileRenderer>(
+        TileRenderParts{*p.camera, *p.sampler, *p.film, *p.radiance, p.settings.seed, footprints});
+    limits.round = p.sampler->samplesPerPixel();
+    limits.wholeRounds = p.sampler->isAdaptive();
+  }
   limits.maxSeconds = p.settings.maxSeconds;
   limits.targetError = p.settings.targetError;
   if (p.settings.passes)
     limits.rounds = *p.settings.passes;
   else if (!limits.maxSeconds && !limits.targetError)
-    limits.rounds = 1;
+    limits.rounds = p.passes ? p.passes->defaultPasses() : 1;
 
   RenderResult result;
+  const auto start = std::chrono::steady_clock::now();
+  PrepareContext prepare{p.settings.seed, p.camera->shutter(), stop, result.stats, p.log};
+  if (p.global) p.global->prepare(prepare);
+  if (p.surface) p.surface->prepare(prepare);
+  limits.secondsSpent =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const RenderOutcome outcome =
-      renderPortions(renderer, *p.film, limits, stop, result.stats, progress);
+      renderPortions(*renderer, *p.film, limits, stop, result.stats, progress);
   result.reason = outcome.reason;
   result.seconds = outcome.seconds;
   result.passes = static_cast<int>(outcome.samples / limits.round);

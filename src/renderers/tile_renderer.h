@@ -9,6 +9,7 @@
 #include "core/camera.h"
 #include "core/film.h"
 #include "core/integrator.h"
+#include "renderers/image_renderer.h"
 
 namespace brume {
 
@@ -22,17 +23,10 @@ struct TileRenderParts {
   bool footprints = true;  ///< whether any texture will look at the rays' differentials
 };
 
-/// A range of samples of every pixel, in units of an average pixel: [first, end) of
-/// rounds * samplesPerPixel.
-struct SampleRange {
-  std::int64_t first = 0, end = 0;
-  std::int64_t count() const { return end - first; }
-};
-
 /// Renders ranges of samples into a film. Tiles of fixed size are begun in order by whichever
 /// thread is free, and merged in order: the same bits for any number of threads. Few tiles wait at
 /// a time, so memory is bounded.
-class TileRenderer {
+class TileRenderer final : public ImageRenderer {
  public:
   static constexpr int kTileSize = 16;  ///< pixels of the sampled area
 
@@ -44,7 +38,7 @@ class TileRenderer {
   /// statistics so far (stats included).
   /// Returns whether the whole range was rendered.
   bool render(SampleRange range, const std::atomic<bool>& stop, Stats& stats,
-              const std::function<void(double share, const Stats& stats)>& onTile);
+              const std::function<void(double share, const Stats& stats)>& onTile) override;
 
  private:
   struct Tile;

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "transport/free_flight.h"
+
+namespace brume {
+
+Rgb flightChannels(const Rgb& power) {
+  const Rgb share(std::abs(power.r), std::abs(power.g), std::abs(power.b));
+  return share / (share.r + share.g + share.b);
+}
+
+FreeFlight sampleFreeFlight(const MediumAlongRay& medium, const Rgb& channels, float uChannel,
+                            float uDepth) {
+  const int channel = uChannel < channels.r                                   ? 0
+                      : uChannel < channels.r + channels.g || channels.b == 0 ? 1
+                                                                              : 2;
+  FreeFlight flight;
+  flight.t = medium.invert(channel, -std::log1p(-static_cast<double>(uDepth)));
+  Rgb density = flight.t ? medium.at(*flight.t).sigma_t() * medium.transmittance(*flight.t)
+                         : medium.transmittance();
+  const Rgb drawn = channels * density;
+  const float pdf = drawn.r + drawn.g + drawn.b;
+  flight.weight = pdf > 0 ? density / pdf : Rgb();
+  return flight;
+}
+
+}  // namespace brume

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+// Free flights through media: where the next collision happens.
+#pragma once
+
+#include "core/medium_along_ray.h"
+
+namespace brume {
+
+/// A free flight along a stretch of a ray: it ends in a collision, or leaves the stretch.
+struct FreeFlight {
+  std::optional<float> t;  ///< of the collision; none: the stretch is left behind
+  /// sigma_t Tr / pdf at a collision, Tr / probability behind: the mean over the channels stays 1
+  /// where the media are grey.
+  Rgb weight{1.f};
+};
+
+/// Probability of each channel to draw the distance for light that carries `power`: its share.
+Rgb flightChannels(const Rgb& power);
+
+/// Draws the distance by one channel's optical depth and divides by the mean of the channels'
+/// densities (balance heuristic), so that no weight exceeds 1 / (share of its channel).
+///   pdf(t) = sum_c channels_c sigma_t,c(t) Tr_c(t)                          [1/length]
+FreeFlight sampleFreeFlight(const MediumAlongRay& medium, const Rgb& channels, float uChannel,
+                            float uDepth);
+
+}  // namespace brume

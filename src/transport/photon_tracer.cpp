@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "transport/photon_tracer.h"
+
+#include <fmt/format.h>
+
+#include "core/bsdf.h"
+#include "core/error.h"
+#include "core/material.h"
+#include "core/medium_along_ray.h"
+#include "core/parallel.h"
+#include "transport/free_flight.h"
+
+namespace brume {
+namespace {
+
+/// Paths of one chunk of work.
+constexpr std::int64_t kChunk = 1024;
+/// Scatterings after which every path meets roulette: without absorption, in a closed scene,
+/// nothing else would end it.
+constexpr int kLongPath = 10'000;
+constexpr float kLongPathSurvival = 0.99f;
+
+/// What a path has met so far.
+enum class Stage { Direct, Specular, Scattered };
+
+/// The classes that a path may still store.
+PhotonClasses reachable(Stage stage) {
+  constexpr PhotonClasses kIndirect = PhotonClass::SurfaceIndirect | PhotonClass::VolumeMultiple;
+  constexpr PhotonClasses kCaustic = PhotonClass::SurfaceCaustic | PhotonClass::VolumeCaustic;
+  switch (stage) {
+    case Stage::Direct:
+      return kSurfacePhotons | kVolumePhotons;
+    case Stage::Specular:
+      return kCaustic | kIndirect;
+    case Stage::Scattered:
+      break;
+  }
+  return kIndirect;
+}
+
+PhotonClass surfaceClass(Stage stage) {
+  return stage == Stage::Direct     ? PhotonClass::SurfaceDirect
+         : stage == Stage::Specular ? PhotonClass::SurfaceCaustic
+                                    : PhotonClass::SurfaceIndirect;
+}
+PhotonClass volumeClass(Stage stage) {
+  return stage == Stage::Direct     ? PhotonClass::VolumeUnscattered
+         : stage == Stage::Specular ? PhotonClass::VolumeCaustic
+                                    : PhotonClass::VolumeMultiple;
+}
+
+float largest(const Rgb& power) {
+  return std::max(std::abs(power.r), std::max(std::abs(power.g), std::abs(power.b)));
+}
+
+Rgb albedoOf(const MediumCoefficients& c) {
+  const Rgb t = c.sigma_t();
+  return {t.r > 0 ? c.sigma_s.r / t.r : 0, t.g > 0 ? c.sigma_s.g / t.g : 0,
+          t.b > 0 ? c.sigma_s.b / t.b : 0};
+}
+
+}  // namespace
+
+struct PhotonTracer::Path {
+  Ray ray;
+  Rgb power;
+  Stage stage = Stage::Direct;
+  int scatterings = 0;
+
+  /// Roulette: goes on with `next`, the expected power, or ends. The survivors keep about the power
+  /// they had.
+  bool survives(const Rgb& next, float u) {
+    float survival = std::min(1.f, largest(next) / largest(power));
+    if (scatterings >= kLongPath) survival = std::min(survival, kLongPathSurvival);
+    if (!(survival > 0) || u >= survival) return false;
+    power = next / survival;
+    return true;
+  }
+};
+
+PhotonTracer::PhotonTracer(const Scene& scene, const PhotonRequest& request)
+    : scene_(scene), request_(request), target_(ballAround(scene.bounds())) {
+  std::vector<float> weights;
+  for (const auto& light : scene.lights()) {
+    const float weight = lightWeight(light->powerToward(target_));
+    if (!(weight > 0) || !std::isfinite(weight)) continue;
+    lights_.push_back(light.get());
+    weights.push_back(weight);
+  }
+  if (hasLights()) choice_ = Distribution1D(weights);
+}
+
+bool PhotonTracer::emit(PathRandom& random, Path& path) const {
+  const Distribution1D::Sample chosen = choice_.sample(random.get1D());
+  EmissionUniforms u;
+  u.point = random.get2D();
+  u.direction = random.get2D();
+  const float time = lerp(request_.shutter.t0, request_.shutter.t1, random.get1D());
+  const auto emission = lights_[chosen.index]->sampleEmission(target_, u);
+  if (!emission) return false;
+  path.ray = Ray{emission->o, emission->d, kInfinity, time};
+  path.power = emission->power / choice_.probability(chosen.index);
+  return largest(path.power) > 0 && path.power.isFinite();
+}
+
+/// Absorbed, or scattered into a direction of the phase function.
+bool PhotonTracer::scatterInMedium(Path& path, float t, const Rgb& albedo,
+                                   PathRandom& random) const {
+  const float uSurvival = random.get1D(), uLobe = random.get1D();
+  const Vec2 u = random.get2D();
+  ++path.scatterings;
+  if (!path.survives(path.power * albedo, uSurvival)) return false;
+  const Vec3 p = path.ray(t);
+  const PhaseSample sample = scene_.volume()->samplePhase(p, -path.ray.d, uLobe, u);
+  if (!(sample.pdf > 0)) return false;
+  path.power *= sample.value / sample.pdf;
+  path.ray = Ray{p, sample.wi, kInfinity, path.ray.time};
+  path.stage = Stage::Scattered;
+  return true;
+}
+
+/// Stores a photon on all but mirrors and glass, then goes on by the BSDF.
+bool PhotonTracer::scatterAtSurface(Path& path, const SurfaceInteraction& at, PhotonClasses wanted,
+                                    std::vector<Photon>& photons, PathRandom& random) const {
+  Bsdf bsdf;
+  at.material->evaluate(at, bsdf);
+  const PhotonClass c = surfaceClass(path.stage);
+  if (wanted.contains(c) && !bsdf.isSpecularOnly())
+    photons.push_back(Photon::onSurface(at.p, at.wo, at.n, path.power, c));
+
+  const float uLobe = random.get1D(), uSurvival = random.get1D();
+  const Vec2 u = random.get2D();
+  ++path.scatterings;
+  const auto sample = bsdf.sample(at.wo, uLobe, u);
+  if (!sample || !(sample->pdf > 0)) return false;
+
+  // Light travels from wi = at.wo to the sampled direction; the BSDF is symmetric.
+  const Vec3 &ns = bsdf.shadingNormal(), &ng = bsdf.geometricNormal();
+  const float in = absDot(at.wo, ng), inShading = absDot(at.wo, ns), out = absDot(sample->wi, ng);
+  if (!(in > 0) || !(out > 0)) return false;
+  // Radiance is not scaled by eta^2 where it is refracted (PBRT-v2), so the power is.
+  const float weight = inShading * out / in * sqr(sample->eta) / sample->pdf;
+  if (!path.survives(path.power * sample->f * weight, uSurvival)) return false;
+  path.ray = at.spawnRay(sample->wi);
+  if (!sample->isSpecular())
+    path.stage = Stage::Scattered;
+  else if (path.stage == Stage::Direct)
+    path.stage = Stage::Specular;
+  return true;
+}
+
+void PhotonTracer::tracePath(PathRandom random, PhotonClasses wanted, std::vector<Photon>& photons,
+                             Stats& stats) const {
+  stats.add(Stat::PhotonPaths);
+  Path path;
+  if (!emit(random, path)) return;
+  thread_local MediumAlongRay medium;  // reused, so that its memory is
+  const Volume* volume = scene_.volume();
+  while (!(reachable(path.stage) & wanted).isEmpty()) {
+    stats.add(Stat::PhotonSegments);
+    const auto hit = scene_.intersect(FootprintRay(path.ray), stats);
+    if (hit) path.ray.tMax = distance(path.ray.o, hit->p);
+
+    // A free flight through the media on the way; the numbers are drawn in any case, so that later
+    // ones keep their dimension.
+    const Vec2 u = random.get2D();
+    FreeFlight flight;
+    if (const auto range = volume ? volume->intersect(path.ray) : std::nullopt) {
+      medium.assign(*volume, path.ray, *range);
+      flight = sampleFreeFlight(medium, flightChannels(path.power), u.x, u.y);
+    }
+    path.power *= flight.weight;
+    if (!(largest(path.power) > 0)) return;
+
+    const bool mayScatter = !request_.maxDepth || path.scatterings < *request_.maxDepth;
+    if (flight.t) {
+      const PhotonClass c = volumeClass(path.stage);
+      if (wanted.contains(c))
+        photons.push_back(Photon::inMedium(path.ray(*flight.t), -path.ray.d, path.power, c));
+      if (!mayScatter || !scatterInMedium(path, *flight.t, albedoOf(medium.at(*flight.t)), random))
+        return;
+    } else if (hit) {
+      if (!mayScatter) wanted = wanted & kSurfacePhotons;
+      if (!scatterAtSurface(path, *hit, wanted, photons, random) || !mayScatter) return;
+    } else {
+      return;
+    }
+  }
+}
+
+namespace {
+
+/// The classes that path number `index` counts for.
+PhotonClasses wantedOf(const PathsPerClass& paths, std::uint64_t index) {
+  PhotonClasses wanted;
+  for (std::size_t c = 0; c < kPhotonClasses; ++c)
+    if (index < paths[c]) wanted = wanted | static_cast<PhotonClass>(c);
+  return wanted;
+}
+
+}  // namespace
+
+PhotonSet PhotonTracer::trace(std::uint64_t seed, std::uint64_t pass, const PathsPerClass& paths,
+                              const std::atomic<bool>& stop, Stats& stats) const {
+  PhotonSet set;
+  set.paths = paths;
+  if (!hasLights()) return set;
+  const auto count = static_cast<std::int64_t>(*std::max_element(paths.begin(), paths.end()));
+  const auto chunks = static_cast<std::size_t>((count + kChunk - 1) / kChunk);
+  const std::uint64_t key = PathRandom::passKey(seed, pass);
+  std::array<float, kPhotonClasses> share{};
+  for (std::size_t c = 0; c < kPhotonClasses; ++c)
+    share[c] = paths[c] > 0 ? static_cast<float>(1.0 / static_cast<double>(paths[c])) : 0.f;
+
+  struct Chunk {
+    std::vector<Photon> photons;
+    Stats stats;
+  };
+  std::vector<Chunk> parts(chunks);
+  forEachChunk(count, kChunk, [&](std::int64_t begin, std::int64_t end, std::int64_t chunk) {
+    if (stop.load(std::memory_order_relaxed)) return;
+    Chunk& part = parts[static_cast<std::size_t>(chunk)];
+    for (std::int64_t i = begin; i < end; ++i) {
+      const PhotonClasses wanted = wantedOf(paths, static_cast<std::uint64_t>(i)) & request_.wanted;
+      tracePath(PathRandom(key, static_cast<std::uint32_t>(i)), wanted, part.photons, part.stats);
+    }
+    for (Photon& photon : part.photons)
+      photon.power *= share[static_cast<std::size_t>(photon.photonClass())];
+  });
+  set.isComplete = !stop.load(std::memory_order_relaxed);
+  if (!set.isComplete) return set;
+
+  std::size_t total = 0;
+  for (const Chunk& part : parts) total += part.photons.size();
+  set.photons.reserve(total);
+  for (Chunk& part : parts) {
+    set.photons.insert(set.photons.end(), part.photons.begin(), part.photons.end());
+    part.photons = {};
+    stats.merge(part.stats);
+  }
+  stats.add(Stat::PhotonsStored, total);
+  return set;
+}
+
+}  // namespace brume

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+// Light paths from the lights, and the photons that they leave behind: the one tracer of all photon
+// methods.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <span>
+
+#include "core/sampling.h"
+#include "core/scene.h"
+#include "transport/path_random.h"
+#include "transport/photon.h"
+
+namespace brume {
+
+/// What a method wants of the light paths.
+struct PhotonRequest {
+  PhotonClasses wanted{};
+  Interval shutter{0, 1};         ///< times of the paths
+  std::optional<int> maxDepth{};  ///< most scatterings of a path; unlimited when not given
+};
+
+/// Number of paths from which the photons of each class are taken, the first ones of the pass.
+using PathsPerClass = std::array<std::uint64_t, kPhotonClasses>;
+
+/// Photons with powers divided by the number of paths of their class, in the order of their paths.
+struct PhotonSet {
+  std::vector<Photon> photons;
+  PathsPerClass paths{};
+  bool isComplete = true;  ///< false: `stop` was set, nothing in here may be used
+};
+
+/// Light paths: a light is chosen by the power it sends to the scene, its emission sampled, then
+///   - free flights by inversion of the exact optical depth; at every collision a deposit, then
+///     absorption or scattering by roulette on the albedo;
+///   - at every surface with a lobe that is not specular a deposit; then the BSDF is sampled, with
+///     the factor of shading normals for light that travels forwards (Veach 1997, 5.3)
+///       |wo.ng| |wi.ns| / (|wi.ng| |wo.ns|),  wi to the light, wo the way the path goes on,
+///     and (eta_i / eta_o)^2 where it is refracted: radiance is not scaled there (PBRT-v2);
+///   - Russian roulette on the ratio of powers, so that photons have about equal power.
+/// A path ends when nothing that is wanted can come of it. Photons that leave the scene are gone.
+/// Immutable and thread-safe. Test: photon_tracer_test.
+class PhotonTracer {
+ public:
+  PhotonTracer(const Scene& scene, const PhotonRequest& request);
+
+  /// Whether any light sends photons.
+  bool hasLights() const { return !lights_.empty(); }
+  const PhotonRequest& request() const { return request_; }
+
+  /// Appends the deposits of one path, of the classes `wanted`, as if it were the only path.
+  void tracePath(PathRandom random, PhotonClasses wanted, std::vector<Photon>& photons,
+                 Stats& stats) const;
+
+  /// The paths [0, paths of the class) of a pass, in parallel.
+  PhotonSet trace(std::uint64_t seed, std::uint64_t pass, const PathsPerClass& paths,
+                  const std::atomic<bool>& stop, Stats& stats) const;
+
+ private:
+  struct Path;
+  struct Scratch;
+  bool emit(PathRandom& random, Path& path) const;
+  bool scatterInMedium(Path& path, float t, const Rgb& albedo, PathRandom& random) const;
+  bool scatterAtSurface(Path& path, const SurfaceInteraction& at, PhotonClasses wanted,
+                        std::vector<Photon>& photons, PathRandom& random) const;
+
+  const Scene& scene_;
+  PhotonRequest request_;
+  Ball target_;
+  std::vector<const Light*> lights_;
+  Distribution1D choice_;  // over lights_
+};
+
+/// How many photons of each class to store; 0: none of it.
+using PhotonCounts = std::array<std::uint64_t, kPhotonClasses>;
+
+/// Paths that store about the wanted numbers. Found by a pilot pass of its own random numbers, so
+/// that the photons themselves stay unbiased: the number of paths does not depend on them. Throws
+/// SceneError, with the reason, when a class that is wanted stores nothing or would take more than
+/// 2^31 paths; classes in `optional` get 0 paths instead.
+PathsPerClass pathsFor(const PhotonTracer& tracer, const PhotonCounts& wanted,
+                       PhotonClasses optional, std::uint64_t seed, const std::atomic<bool>& stop,
+                       Stats& stats);
+
+}  // namespace brume

@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "transport/photon_tracer.h"
+
+#include <gmock/gmock.h>
+
+#include <cstring>
+
+#include "core/bsdf.h"
+#include "core/parallel.h"
+#include "renderers/render_job.h"
+#include "support/estimate.h"
+#include "support/make_plugin.h"
+#include "support/render_text.h"
+
+namespace brume {
+namespace {
+
+constexpr double kMaxZ = 4;  // fails by chance once in 16,000
+const std::atomic<bool> kGoOn{false};
+
+std::unique_ptr<RenderJob> sceneOf(const std::string& world) {
+  return makeJob(
+      "LookAt 0 0 0 0 0 1 0 1 0 Camera \"perspective\" WorldBegin " + world + " WorldEnd", {},
+      test::captureLog());
+}
+
+PhotonSet tracePaths(const Scene& scene, PhotonRequest request, std::uint64_t paths,
+                     Stats* stats = nullptr, std::uint64_t seed = 1) {
+  PathsPerClass perClass{};
+  for (std::size_t c = 0; c < kPhotonClasses; ++c)
+    if (request.wanted.contains(static_cast<PhotonClass>(c))) perClass[c] = paths;
+  Stats own;
+  return PhotonTracer(scene, request).trace(seed, 0, perClass, kGoOn, stats ? *stats : own);
+}
+
+/// Total power of one channel, photons of one class; the standard error from batches of passes.
+Estimate totalPower(const Scene& scene, PhotonRequest request, PhotonClass c, int channel,
+                    std::uint64_t paths) {
+  constexpr int kBatches = 16;
+  double sum = 0, squares = 0;
+  for (int i = 0; i < kBatches; ++i) {
+    double total = 0;
+    for (const Photon& p :
+         tracePaths(scene, request, paths, nullptr, static_cast<std::uint64_t>(i)).photons)
+      if (p.photonClass() == c) total += double{p.power[channel]};
+    sum += total;
+    squares += total * total;
+  }
+  const double mean = sum / kBatches;
+  return {mean, std::sqrt(std::max(0.0, squares / kBatches - mean * mean) / (kBatches - 1)) +
+                    1e-5 * mean};  // sums of floats where nothing is random
+}
+
+const std::string
+    kFogBall =  // a light in the middle of a box that no photon gets out of unabsorbed
+    "LightSource \"point\" \"point from\" [0 0 5] \"color I\" [1 2 4] ";
+std::string box(const std::string& coefficients, float half) {
+  return "Volume \"homogeneous\" " + coefficients + " \"point p0\" [" + std::to_string(-half) +
+         " " + std::to_string(-half) + " " + std::to_string(5 - half) + "] \"point p1\" [" +
+         std::to_string(half) + " " + std::to_string(half) + " " + std::to_string(5 + half) + "] ";
+}
+
+TEST(Photon, PacksDirectionsAndNormals) {
+  Rng rng(1);
+  for (int i = 0; i < 10'000; ++i) {
+    const Vec3 w = sampleUniformSphere(rng.uniform2()), n = sampleUniformSphere(rng.uniform2());
+    const Photon p = Photon::onSurface(Vec3(1), w, n, Rgb(2), PhotonClass::SurfaceCaustic);
+    EXPECT_LT(distance(p.wi.unpack(), w), 7e-5f);
+    EXPECT_LT(distance(p.normal(), n), 1e-3f);
+    EXPECT_EQ(p.photonClass(), PhotonClass::SurfaceCaustic);
+  }
+  for (int axis = 0; axis < 3; ++axis)
+    for (float sign : {-1.f, 1.f}) {
+      Vec3 w(0);
+      w[axis] = sign;
+      EXPECT_EQ(PackedDirection(w).unpack(), w);
+    }
+}
+
+TEST(PhotonTracer, AbsorbingMediumTakesAllPower) {
+  // Optical thickness 40 on all sides, nothing scatters: every photon is stored once, and the
+  // deposits hold the power 4 pi I of the light.
+  const auto job = sceneOf(kFogBall + box("\"color sigma_a\" [20 20 20]", 2));
+  const PhotonRequest request{kVolumePhotons};
+  for (int channel : {0, 1, 2}) {
+    const Estimate e =
+        totalPower(job->scene(), request, PhotonClass::VolumeUnscattered, channel, 2000);
+    EXPECT_NEAR(e.mean, 4 * M_PI * (1 << channel), 1e-4 * e.mean);
+  }
+  EXPECT_EQ(tracePaths(job->scene(), request, 1000).photons.size(), 1000u);
+}
+
+TEST(PhotonTracer, DepositsAreExtinctionTimesFluence) {
+  // By energy balance the absorbed part of all deposits is the emitted power where none escapes:
+  // sum over classes = P / (1 - albedo), of which P are unscattered. Chromatic: a channel's albedo
+  // and extinction are its own.
+  const auto job = sceneOf(
+      kFogBall + box("\"color sigma_a\" [4 10 8] \"color sigma_s\" [16 10 2] \"float g\" .5", 3));
+  const PhotonRequest request{kVolumePhotons};
+  const double albedo[3] = {.8, .5, .2};
+  for (int channel : {0, 1, 2}) {
+    const double power = 4 * M_PI * (1 << channel);
+    const Estimate direct =
+        totalPower(job->scene(), request, PhotonClass::VolumeUnscattered, channel, 4000);
+    const Estimate multiple =
+        totalPower(job->scene(), request, PhotonClass::VolumeMultiple, channel, 4000);
+    EXPECT_LT(std::abs(direct.z(power)), kMaxZ) << channel << " mean " << direct.mean;
+    EXPECT_LT(std::abs(multiple.z(power * albedo[channel] / (1 - albedo[channel]))), kMaxZ)
+        << channel << " mean " << multiple.mean;
+    EXPECT_LT(multiple.standardError, 0.02 * multiple.mean);
+  }
+}
+
+TEST(PhotonTracer, ClosedRoomKeepsItsLedger) {
+  // A matte sphere of reflectance 1/2 around the light: direct P, indirect P/2 + P/4 + ... = P.
+  const auto job = sceneOf(
+      "LightSource \"point\" \"point from\" [0 0 5] Material \"matte\" \"color Kd\" [.5 .5 .5] "
+      "Translate 0 0 5 Shape \"sphere\" \"float radius\" 3");
+  const PhotonRequest request{kSurfacePhotons};
+  const Estimate direct = totalPower(job->scene(), request, PhotonClass::SurfaceDirect, 0, 4000);
+  const Estimate indirect =
+      totalPower(job->scene(), request, PhotonClass::SurfaceIndirect, 0, 4000);
+  EXPECT_NEAR(direct.mean, 4 * M_PI, 1e-3);
+  EXPECT_LT(std::abs(indirect.z(4 * M_PI)), kMaxZ) << indirect.mean;
+}
+
+TEST(PhotonTracer, GlassKeepsPowerAndMakesCaustics) {
+  // A light inside a glass sphere that is inside a black room: what leaves is caustic light;
+  // nothing is lost but what stays inside by total reflection (none from the centre).
+  const auto job = sceneOf(
+      "LightSource \"point\" \"point from\" [0 0 5] Translate 0 0 5 Material \"glass\" "
+      "Shape \"sphere\" \"float radius\" 1 Material \"matte\" \"color Kd\" [.5 .5 .5] "
+      "Shape \"sphere\" \"float radius\" 3");
+  const PhotonRequest request{kSurfacePhotons};
+  const Estimate caustic = totalPower(job->scene(), request, PhotonClass::SurfaceCaustic, 0, 4000);
+  // The light is inside glass: the power that leaves is scaled by eta^2 (radiance is not).
+  EXPECT_LT(std::abs(caustic.z(4 * M_PI * 1.5 * 1.5)), kMaxZ) << caustic.mean;
+  EXPECT_EQ(totalPower(job->scene(), request, PhotonClass::SurfaceDirect, 0, 500).mean, 0);
+}
+
+TEST(PhotonTracer, StoresOnlyWhatIsWanted) {
+  const auto job = sceneOf(kFogBall + box("\"color sigma_s\" [2 2 2]", 2));
+  Stats all, direct;
+  tracePaths(job->scene(), {kVolumePhotons}, 1000, &all);
+  const auto set = tracePaths(job->scene(), {PhotonClass::VolumeUnscattered}, 1000, &direct);
+  for (const Photon& p : set.photons) EXPECT_EQ(p.photonClass(), PhotonClass::VolumeUnscattered);
+  // A path ends with its first collision.
+  EXPECT_EQ(direct[Stat::PhotonSegments], 1000u);
+  EXPECT_GT(all[Stat::PhotonSegments], 4000u);
+}
+
+TEST(PhotonTracer, ThreadsDoNotMatter) {
+  const auto job =
+      sceneOf(kFogBall + box("\"color sigma_s\" [2 1 2] \"color sigma_a\" [0 .1 0]", 2));
+  std::vector<Photon> first;
+  for (int threads : {1, 2, 7}) {
+    setThreadCount(threads);
+    const auto photons = tracePaths(job->scene(), {kVolumePhotons}, 10'000).photons;
+    if (first.empty()) first = photons;
+    ASSERT_EQ(photons.size(), first.size());
+    EXPECT_EQ(std::memcmp(photons.data(), first.data(), first.size() * sizeof(Photon)), 0);
+  }
+  setThreadCount(0);
+}
+
+TEST(PhotonTracer, WhiteFurnaceHasTheFluenceOfTheSky) {
+  // Radiance 1 from everywhere, albedo 1: fluence 4 pi everywhere, deposits sigma_t 4 pi per
+  // volume.
+  const auto job = sceneOf("LightSource \"infinite\" " + box("\"color sigma_s\" [.5 1 2]", 1));
+  const PhotonRequest request{kVolumePhotons};
+  for (int channel : {0, 1, 2}) {
+    double mean = 0, variance = 0;
+    for (PhotonClass c : {PhotonClass::VolumeUnscattered, PhotonClass::VolumeMultiple}) {
+      const Estimate e = totalPower(job->scene(), request, c, channel, 2000);
+      mean += e.mean;
+      variance += sqr(e.standardError);
+    }
+    const double expected = 4 * M_PI * 8 * (0.5 * (1 << channel));
+    EXPECT_LT(std::abs(mean - expected), kMaxZ * std::sqrt(variance)) << channel << " " << mean;
+    EXPECT_LT(std::sqrt(variance), 0.02 * expected);
+  }
+}
+
+PhotonCounts countOf(PhotonClass c, std::uint64_t n) {
+  PhotonCounts counts{};
+  counts[static_cast<std::size_t>(c)] = n;
+  return counts;
+}
+
+TEST(PhotonQuota, FindsThePathsForACount) {
+  const auto job = sceneOf(kFogBall + box("\"color sigma_a\" [.2 .2 .2]", 1));
+  const PhotonTracer tracer(job->scene(), {kVolumePhotons});
+  Stats stats;
+  const auto paths =
+      pathsFor(tracer, countOf(PhotonClass::VolumeUnscattered, 20'000), {}, 1, kGoOn, stats);
+  const auto stored = tracer.trace(1, 0, paths, kGoOn, stats).photons.size();
+  EXPECT_NEAR(static_cast<double>(stored), 20'000, 1200);  // the pilot sees 3000: 2 %, 3 of them
+}
+
+TEST(PhotonQuota, SaysWhyNothingIsStored) {
+  // The light looks away from the medium.
+  const auto job =
+      sceneOf("LightSource \"spot\" \"point from\" [0 0 0] \"point to\" [0 0 -1] " +
+              box("\"color sigma_s\" [1 1 1]", 1) + "Translate 0 0 -9 Shape \"sphere\" ");
+  const PhotonTracer tracer(job->scene(), {kVolumePhotons});
+  Stats stats;
+  try {
+    pathsFor(tracer, countOf(PhotonClass::VolumeUnscattered, 1000), {}, 1, kGoOn, stats);
+    ADD_FAILURE();
+  } catch (const SceneError& e) {
+    EXPECT_THAT(e.what(), testing::HasSubstr("the lights do not reach there"));
+  }
+  EXPECT_EQ(pathsFor(tracer, countOf(PhotonClass::VolumeUnscattered, 1000),
+                     PhotonClass::VolumeUnscattered, 1, kGoOn, stats),
+            PathsPerClass{});
+  const auto dark = sceneOf(box("\"color sigma_s\" [1 1 1]", 1));
+  EXPECT_THROW(pathsFor(PhotonTracer(dark->scene(), {kVolumePhotons}),
+                        countOf(PhotonClass::VolumeUnscattered, 1000), {}, 1, kGoOn, stats),
+               SceneError);
+}
+
+}  // namespace
+}  // namespace brume
