@@ -17,8 +17,8 @@ struct RenderLimits {
   bool wholeRounds = false;            ///< the sampler cannot split a round
   std::optional<std::int64_t> rounds;  ///< none: only the other limits
   std::optional<double> maxSeconds;    ///< exceeded by less than one portion
-  double secondsSpent = 0;             ///< before the first portion (photon maps); they count
   std::optional<double> targetError;   ///< Film::estimatedRelativeError
+  double secondsSpent = 0;             ///< before the first portion (photon maps); they count
 };
 
 struct RenderOutcome {
