@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "accelerators/photon_bvh.h"
+
+#include "core/error.h"
+
+namespace brume {
+namespace {
+
+using LaneRow = PhotonBvhView::LaneRow;
+
+namespace generic {
+using namespace lanes_generic;
+#define BRUME_KERNEL
+#include "accelerators/photon_beam_search.inl"
+#undef BRUME_KERNEL
+}  // namespace generic
+
+#if BRUME_HAS_AVX2
+namespace avx2 {
+using namespace lanes_avx2;
+#define BRUME_KERNEL BRUME_AVX2
+#include "accelerators/photon_beam_search.inl"
+#undef BRUME_KERNEL
+}  // namespace avx2
+#else
+namespace avx2 = generic;
+#endif
+
+/// Blocks per task.
+constexpr std::int64_t kBlocksPerTask = 64;
+
+template <class F>
+void forEachBlock(std::size_t count, F&& f) {
+  forEachChunk(static_cast<std::int64_t>(count), kBlocksPerTask,
+               [&](std::int64_t begin, std::int64_t end, std::int64_t) {
+                 for (auto i = begin; i < end; ++i) f(static_cast<std::size_t>(i));
+               });
+}
+
+float largest(const LaneRow& row) { return *std::max_element(row.begin(), row.end()); }
+
+}  // namespace
+
+PhotonBvh::PhotonBvh(const PhotonKdTree& tree, float radius) {
+  BRUME_CHECK(radius >= 0);
+  view_.tree = tree.view();
+  view_.radius2 = radius * radius;
+}
+
+PhotonBvh::PhotonBvh(const PhotonKdTree& tree, std::span<const float> radii2) {
+  BRUME_CHECK(radii2.size() == tree.size());
+  view_.tree = tree.view();
+  if (tree.size() == 0) return;
+
+  radii2_.resize((radii2.size() + kLanes - 1) / kLanes);
+  forEachBlock(radii2_.size(), [&](std::size_t b) {
+    for (std::size_t i = 0; i < kLanes; ++i) {
+      const std::size_t at = b * kLanes + i;
+      radii2_[b][i] = at < radii2.size() ? radii2[at] : 0.f;
+    }
+  });
+
+  // The largest radii, from the blocks up.
+  std::vector<std::size_t> counts;
+  for (std::size_t n = radii2_.size(); counts.size() < view_.tree.top;)
+    counts.push_back(n = (n + kLanes - 1) / kLanes);
+  std::size_t total = 0;
+  for (const std::size_t n : counts) total += n;
+  childRadii_.resize(total);
+  std::span<const LaneRow> below = radii2_;
+  LaneRow* level = childRadii_.data();
+  for (std::size_t l = 0; l < counts.size(); ++l) {
+    forEachBlock(counts[l], [&](std::size_t n) {
+      for (std::size_t i = 0; i < kLanes; ++i) {
+        const std::size_t child = n * kLanes + i;
+        const float most = child < below.size() ? largest(below[child]) : 0.f;
+        level[n][i] = l == 0 ? std::sqrt(most) : most;
+      }
+    });
+    view_.childRadii[l + 1] = level;
+    below = {level, counts[l]};
+    level += counts[l];
+  }
+  view_.radii2 = radii2_.data();
+}
+
+std::size_t PhotonBvh::searchBeam(PhotonKdTree::Search& search, const BeamQuery& beam,
+                                  Found& found) const {
+  if (hasAvx2()) return avx2::searchBeam(view_, search, beam, found);
+  return generic::searchBeam(view_, search, beam, found);
+}
+
+std::vector<float> adaptiveRadii2(const PhotonKdTree& tree, std::size_t k) {
+  BRUME_CHECK(k > 0);
+  std::vector<float> radii2(tree.size());
+  // The least: what the precision of positions can tell apart.
+  const float least = std::max(kBeamSlack * tree.view().maxCoordinate, 1e-15f);
+  forEachBlock((tree.size() + kLanes - 1) / kLanes, [&](std::size_t block) {
+    thread_local std::vector<Neighbour> found;
+    found.resize(k);
+    const std::size_t first = block * kLanes, end = std::min(first + kLanes, tree.size());
+    Vec3d sum(0);
+    for (std::size_t i = first; i < end; ++i) sum += Vec3d(tree.point(i));
+    const Vec3 middle(sum / static_cast<double>(end - first));
+    const std::size_t n = tree.nearest(middle, found);
+    const float missing =
+        std::cbrt(static_cast<float>(k) / static_cast<float>(std::max(n, std::size_t{1})));
+    const float farthest = n > 0 ? std::sqrt(found[0].distance2()) : 0.f;
+    const float radius = std::max(farthest * missing, least);
+    for (std::size_t i = first; i < end; ++i) radii2[i] = radius * radius;
+  });
+  return radii2;
+}
+
+}  // namespace brume

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// Point searches in the photon kd-tree, for each instruction set.
+#include "accelerators/photon_kdtree.h"
+
+namespace brume {
+namespace {
+
+namespace generic {
+using namespace lanes_generic;
+#define BRUME_KERNEL
+#include "accelerators/photon_search.inl"
+#undef BRUME_KERNEL
+}  // namespace generic
+
+#if BRUME_HAS_AVX2
+namespace avx2 {
+using namespace lanes_avx2;
+#define BRUME_KERNEL BRUME_AVX2
+#include "accelerators/photon_search.inl"
+#undef BRUME_KERNEL
+}  // namespace avx2
+#else
+namespace avx2 = generic;
+#endif
+
+}  // namespace
+
+PhotonKdTree::Search::Search(const PhotonTreeView& tree) {
+  if (tree.top > 0) stack[size++] = {0, tree.top};
+}
+
+std::size_t PhotonKdTree::nearest(const Vec3& p, std::span<Neighbour> found,
+                                  float maxRadius) const {
+  if (size_ == 0 || found.empty()) return 0;
+  const Neighbour bound(maxRadius * maxRadius, 0);
+  if (hasAvx2()) return avx2::nearest(view_, p, {found.data(), found.size(), bound});
+  return generic::nearest(view_, p, {found.data(), found.size(), bound});
+}
+
+std::size_t PhotonKdTree::searchBall(Search& search, const Vec3& p, float radius2,
+                                     Found& found) const {
+  if (hasAvx2()) return avx2::searchBall(view_, search, p, radius2, found);
+  return generic::searchBall(view_, search, p, radius2, found);
+}
+
+}  // namespace brume
