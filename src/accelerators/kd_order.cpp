@@ -21,9 +21,10 @@ struct Range {
 
 /// Ranges up to this size are one task; the larger ones are split level by level.
 constexpr std::size_t kTask = 1 << 14;
-/// Below, a histogram costs more than it saves.
-constexpr std::size_t kFewItems = 256;
-constexpr std::size_t kBins = 256;
+/// Below, each item is compared with each.
+constexpr std::size_t kFewItems = 64;
+/// Below, clearing and adding up many bins costs more than it saves.
+constexpr std::size_t kManyItems = 2048;
 
 /// The items of one range, and room for as many.
 struct Work {
@@ -58,27 +59,48 @@ void select(Item* items, std::size_t size, std::size_t left, int axis) {
   });
 }
 
+/// The same for few items: each goes to the place that counting finds, without a branch.
+void selectByCounting(const Work& work, int axis) {
+  std::array<float, kFewItems> keys{};
+  for (std::size_t i = 0; i < work.size; ++i) keys[i] = work.items[i].p[axis];
+  for (std::size_t i = 0; i < work.size; ++i) {
+    std::int32_t before = 0;
+    for (std::size_t j = 0; j < i; ++j) before += keys[j] <= keys[i] ? 1 : 0;
+    for (std::size_t j = i + 1; j < work.size; ++j) before += keys[j] < keys[i] ? 1 : 0;
+    work.room[before] = work.items[i];
+  }
+  std::copy_n(work.room, work.size, work.items);
+}
+
 /// The same by a histogram: only the items of the bin with the median are compared.
+template <std::size_t kBins>
 void selectByHistogram(const Work& work, std::size_t left, const Axis& along) {
   const float scale = static_cast<float>(kBins) / along.extent;
   if (!std::isfinite(scale) || !std::isfinite(along.extent))
     return select(work.items, work.size, left, along.axis);
   const auto binOf = [&](const Item& item) {
-    return std::min(kBins - 1, static_cast<std::size_t>((item.p[along.axis] - along.lo) * scale));
+    const auto bin = static_cast<std::int32_t>((item.p[along.axis] - along.lo) * scale);
+    return std::min(bin, static_cast<std::int32_t>(kBins) - 1);
   };
   std::array<std::uint32_t, kBins> counts{};
-  for (std::size_t i = 0; i < work.size; ++i) ++counts[binOf(work.items[i])];
+  for (std::size_t i = 0; i < work.size; ++i)
+    ++counts[static_cast<std::size_t>(binOf(work.items[i]))];
   std::size_t median = 0, below = 0;
   while (below + counts[median] < left) below += counts[median++];
 
   // Below, in and above the bin with the median.
   std::array<Item*, 3> to{work.room, work.room + below, work.room + below + counts[median]};
+  const auto medianBin = static_cast<std::int32_t>(median);
   for (std::size_t i = 0; i < work.size; ++i) {
-    const std::size_t bin = binOf(work.items[i]);
-    *to[std::size_t{bin >= median} + std::size_t{bin > median}]++ = work.items[i];
+    const std::int32_t bin = binOf(work.items[i]);
+    *to[std::size_t{bin >= medianBin} + std::size_t{bin > medianBin}]++ = work.items[i];
   }
   std::copy_n(work.room, work.size, work.items);
-  select(work.items + below, counts[median], left - below, along.axis);
+  const Work rest{work.items + below, work.room + below, counts[median]};
+  if (rest.size <= kFewItems)
+    selectByCounting(rest, along.axis);
+  else
+    select(rest.items, rest.size, left - below, along.axis);
 }
 
 /// Splits a range in two, or finds it done (none).
@@ -93,9 +115,11 @@ std::optional<std::size_t> split(Item* items, Item* room, Range& range) {
   const Axis along = widestAxis(work.items, work.size);
   if (!(along.extent > 0)) return range.begin + left;
   if (work.size <= kFewItems)
-    select(work.items, work.size, left, along.axis);
+    selectByCounting(work, along.axis);
+  else if (work.size < kManyItems)
+    selectByHistogram<32>(work, left, along);
   else
-    selectByHistogram(work, left, along);
+    selectByHistogram<256>(work, left, along);
   return range.begin + left;
 }
 
