@@ -32,7 +32,7 @@ void LinearBeams::findPairs(const PhotonPositions& photons, Sink sink, void* con
     const Beam& beam = beams_[index];
     const float radius2 = sqr(beam.radius);
     for (std::size_t i = 0; i < photons.size(); ++i) {
-      const auto foot = beamFoot(beam.o, beam.d, {photons.x[i], photons.y[i], photons.z[i]});
+      const auto foot = beamFoot(beam.o, beam.d, photons[i]);
       if (isInBeam(foot, {beam.t0, beam.t1}, radius2))
         found.add(static_cast<std::uint32_t>(index), static_cast<std::uint32_t>(i), foot);
     }

@@ -52,10 +52,30 @@ struct Beam {
   bool isEmpty() const { return !(t0 <= t1) || !(radius > 0); }
 };
 
-/// Photons, as far as a lookup knows them: three arrays of coordinates.
-struct PhotonPositions {
-  std::span<const float> x, y, z;
-  std::size_t size() const { return x.size(); }
+/// Photons, as far as a lookup knows them: three arrays of coordinates, or a Vec3 at equal
+/// distances inside of larger records.
+class PhotonPositions {
+ public:
+  PhotonPositions(std::span<const float> x, std::span<const float> y, std::span<const float> z)
+      : x_(x.data()), y_(y.data()), z_(z.data()), size_(x.size()) {}
+  /// The position is a member of each record: PhotonPositions(records, &Record::p).
+  template <class Record>
+  PhotonPositions(std::span<const Record> records, Vec3 Record::*position)
+      : size_(records.size()), apart_(sizeof(Record) / sizeof(float)) {
+    static_assert(sizeof(Record) % sizeof(float) == 0);
+    if (records.empty()) return;
+    const Vec3& first = records[0].*position;
+    x_ = &first.x;
+    y_ = &first.y;
+    z_ = &first.z;
+  }
+
+  std::size_t size() const { return size_; }
+  Vec3 operator[](std::size_t i) const { return {x_[i * apart_], y_[i * apart_], z_[i * apart_]}; }
+
+ private:
+  const float *x_ = nullptr, *y_ = nullptr, *z_ = nullptr;
+  std::size_t size_ = 0, apart_ = 1;
 };
 
 /// Pairs that were found, in structure-of-arrays form. A slot stands for a beam or a piece of one.
@@ -87,12 +107,14 @@ class BeamLookup {
   /// The beam of each slot; kNoBeam for slots that are never found. The slots of a beam's pieces
   /// follow in their order along it.
   std::span<const std::uint32_t> slotBeams() const { return slotBeams_; }
+  /// Whether a beam may have several slots.
+  bool hasPieces() const { return hasPieces_; }
   /// Of this object and what it owns.
   virtual std::size_t memoryBytes() const = 0;
 
  protected:
   std::vector<std::uint32_t> slotBeams_;
-  bool hasPieces_ = false;  ///< whether a beam may have several slots
+  bool hasPieces_ = false;
 
  private:
   template <class Sum, class F>
@@ -137,12 +159,26 @@ class BeamPairBuffer {
   static constexpr std::size_t kCapacity = 512;
 
   BeamPairBuffer(BeamLookup::Sink sink, void* context) : sink_(sink), context_(context) {}
+
+  /// Where the next pairs go; vectors may be written there whole.
+  struct Room {
+    std::uint32_t *slots, *photons;
+    float *t, *d2;
+  };
+  Room room(std::size_t count) {
+    if (size_ + count > kCapacity) flush();
+    return {slots_ + size_, photons_ + size_, t_ + size_, d2_ + size_};
+  }
+  /// The first n that were written to room() are pairs.
+  void keep(std::size_t n) { size_ += n; }
+
   void add(std::uint32_t slot, std::uint32_t photon, const BeamFoot<float>& foot) {
-    if (size_ == kCapacity) flush();
-    slots_[size_] = slot;
-    photons_[size_] = photon;
-    t_[size_] = foot.t;
-    d2_[size_++] = foot.d2;
+    const Room to = room(1);
+    *to.slots = slot;
+    *to.photons = photon;
+    *to.t = foot.t;
+    *to.d2 = foot.d2;
+    keep(1);
   }
   void flush() {
     if (size_ > 0) sink_(context_, {{slots_, size_}, {photons_, size_}, {t_, size_}, {d2_, size_}});

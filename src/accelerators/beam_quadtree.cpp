@@ -7,15 +7,15 @@
 #include <numeric>
 
 #include "accelerators/beam_order.h"
+#include "accelerators/lanes_math.h"
 #include "core/error.h"
 #include "core/parallel.h"
 
 namespace brume {
 namespace {
 
-constexpr std::size_t kWidth = BeamQuadtree::kWidth;
 /// Level whose nodes are tiles, where the tree is so high: 64 cells, 512 beams.
-constexpr std::size_t kTileLevel = 1;
+constexpr std::uint32_t kTileLevel = 1;
 /// Cells or nodes that one task of the build bounds.
 constexpr std::int64_t kCellsAtOnce = 512;
 /// Photons that one task distributes to tiles.
@@ -26,7 +26,7 @@ constexpr std::size_t kBatchPlaces = std::size_t{1} << 21;
 
 std::size_t divideUp(std::size_t a, std::size_t b) { return (a + b - 1) / b; }
 
-void setChild(BeamQuadtree::Node& node, std::size_t i, const BeamFrustum& f) {
+void setChild(BeamTreeView::Node& node, std::size_t i, const BeamFrustum& f) {
   node.ax[i] = f.a.x;
   node.ay[i] = f.a.y;
   node.az[i] = f.a.z;
@@ -39,7 +39,7 @@ void setChild(BeamQuadtree::Node& node, std::size_t i, const BeamFrustum& f) {
   node.k[i] = f.k;
 }
 
-void setBeam(BeamQuadtree::Block& block, std::size_t i, const Beam& beam) {
+void setBeam(BeamTreeView::Block& block, std::size_t i, const Beam& beam) {
   block.ox[i] = beam.o.x;
   block.oy[i] = beam.o.y;
   block.oz[i] = beam.o.z;
@@ -49,20 +49,26 @@ void setBeam(BeamQuadtree::Block& block, std::size_t i, const Beam& beam) {
   block.t0[i] = beam.t0;
   block.t1[i] = beam.t1;
   block.radius2[i] = sqr(beam.radius);
+  block.inverseRadius2[i] = 1.f / block.radius2[i];
 }
 
-/// Bit i: child i may contain p.
-std::uint32_t childrenWith(const BeamQuadtree::Node& node, const Vec3& p) {
-  std::uint32_t mask = 0;
-  for (std::size_t i = 0; i < kWidth; ++i) {
-    const auto foot = beamFoot<float>(node.ax[i], node.ay[i], node.az[i], node.ux[i], node.uy[i],
-                                      node.uz[i], p.x, p.y, p.z);
-    const bool hit = (foot.t >= node.s0[i]) & (foot.t <= node.s1[i]) &
-                     (foot.d2 <= sqr(node.r0[i] + node.k[i] * foot.t));
-    mask |= std::uint32_t{hit} << i;
-  }
-  return mask;
-}
+namespace generic {
+using namespace lanes_generic;
+#define BRUME_KERNEL
+#include "accelerators/beam_search.inl"
+#undef BRUME_KERNEL
+}  // namespace generic
+
+#if BRUME_HAS_AVX2
+namespace avx2 {
+using namespace lanes_avx2;
+#define BRUME_KERNEL BRUME_AVX2
+#include "accelerators/beam_search.inl"
+#undef BRUME_KERNEL
+}  // namespace avx2
+#else
+namespace avx2 = generic;
+#endif
 
 /// A photon's place in a tile.
 struct Place {
@@ -87,6 +93,26 @@ PlacesByTile sortPlaces(const std::vector<std::vector<Place>>& chunks, std::size
   return sorted;
 }
 
+/// The places of the photons [first, first + count).
+PlacesByTile placesOf(const BeamTreeView& tree, std::size_t tileCount,
+                      const PhotonPositions& photons, std::size_t first, std::size_t count) {
+  std::vector<std::vector<Place>> chunks(divideUp(count, static_cast<std::size_t>(kPhotonsAtOnce)));
+  forEachChunk(static_cast<std::int64_t>(count), kPhotonsAtOnce,
+               [&](std::int64_t begin, std::int64_t end, std::int64_t chunk) {
+                 auto& places = chunks[static_cast<std::size_t>(chunk)];
+                 std::vector<std::uint32_t> tiles(tileCount);
+                 for (std::int64_t i = begin; i < end; ++i) {
+                   const std::size_t photon = first + static_cast<std::size_t>(i);
+                   const std::size_t n =
+                       hasAvx2() ? avx2::findTiles(tree, photons[photon], tiles.data())
+                                 : generic::findTiles(tree, photons[photon], tiles.data());
+                   for (std::size_t k = 0; k < n; ++k)
+                     places.push_back({tiles[k], static_cast<std::uint32_t>(photon)});
+                 }
+               });
+  return sortPlaces(chunks, tileCount);
+}
+
 }  // namespace
 
 BeamQuadtree::BeamQuadtree(std::span<const Beam> beams, Vec2i resolution) {
@@ -100,6 +126,12 @@ BeamQuadtree BeamQuadtree::inSpace(std::span<const Beam> beams) {
   BeamQuadtree tree;
   tree.hasPieces_ = true;
   tree.build(cut.pieces, cellsInSpace(cut.pieces), cut.owners);
+  tree.pieceStarts_.resize(tree.blocks_.size());
+  for (std::size_t slot = 0; slot < tree.slotBeams_.size(); ++slot) {
+    const std::uint32_t beam = tree.slotBeams_[slot];
+    tree.pieceStarts_[slot / kLanes][slot % kLanes] = beam == kNoBeam ? kInfinity : beams[beam].t0;
+  }
+  tree.view_.pieceStarts = tree.pieceStarts_.data();
   return tree;
 }
 
@@ -108,13 +140,13 @@ void BeamQuadtree::build(std::span<const Beam> beams, const BeamCells& cells,
   blockBegin_.resize(cells.count() + 1, 0);
   for (std::size_t c = 0; c < cells.count(); ++c)
     blockBegin_[c + 1] = blockBegin_[c] + static_cast<std::uint32_t>(divideUp(
-                                              cells.begin[c + 1] - cells.begin[c], kWidth));
+                                              cells.begin[c + 1] - cells.begin[c], kLanes));
   // Places without a beam hold one that contains nothing.
   Block none{};
   none.t0.fill(kInfinity);
   none.t1.fill(-kInfinity);
   blocks_.assign(blockBegin_.back(), none);
-  slotBeams_.assign(blocks_.size() * kWidth, kNoBeam);
+  slotBeams_.assign(blocks_.size() * kLanes, kNoBeam);
 
   std::vector<BeamFrustum> frusta(cells.count());
   forEachChunk(static_cast<std::int64_t>(cells.count()), kCellsAtOnce,
@@ -124,6 +156,8 @@ void BeamQuadtree::build(std::span<const Beam> beams, const BeamCells& cells,
                    frusta[c] = fillCell(c, beams, cells, owners);
                });
   buildLevels(std::move(frusta));
+  view_.blocks = blocks_.data();
+  view_.blockBegin = blockBegin_.data();
 }
 
 BeamFrustum BeamQuadtree::fillCell(std::size_t cell, std::span<const Beam> beams,
@@ -131,13 +165,13 @@ BeamFrustum BeamQuadtree::fillCell(std::size_t cell, std::span<const Beam> beams
   BeamFrustum all;
   std::uint32_t next = cells.begin[cell];
   for (std::uint32_t b = blockBegin_[cell]; b < blockBegin_[cell + 1]; ++b) {
-    std::array<Beam, kWidth> inBlock;
+    std::array<Beam, kLanes> inBlock;
     std::size_t n = 0;
-    for (; n < kWidth && next < cells.begin[cell + 1]; ++n, ++next) {
+    for (; n < kLanes && next < cells.begin[cell + 1]; ++n, ++next) {
       const std::uint32_t index = cells.order[next];
       inBlock[n] = beams[index];
       setBeam(blocks_[b], n, inBlock[n]);
-      slotBeams_[b * kWidth + n] = owners.empty() ? index : owners[index];
+      slotBeams_[b * kLanes + n] = owners.empty() ? index : owners[index];
     }
     const BeamFrustum bound = boundBeams({inBlock.data(), n});
     all = all.isEmpty() ? bound : boundFrusta(std::array{all, bound});
@@ -147,100 +181,67 @@ BeamFrustum BeamQuadtree::fillCell(std::size_t cell, std::span<const Beam> beams
 
 void BeamQuadtree::buildLevels(std::vector<BeamFrustum> frusta) {
   do {
-    const std::size_t count = std::max<std::size_t>(1, divideUp(frusta.size(), kWidth));
+    const std::size_t count = std::max<std::size_t>(1, divideUp(frusta.size(), kLanes));
     std::vector<Node>& nodes = levels_.emplace_back(count);
     std::vector<BeamFrustum> bounds(count);
     forEachChunk(static_cast<std::int64_t>(count), kCellsAtOnce,
                  [&](std::int64_t begin, std::int64_t end, std::int64_t) {
                    for (auto n = static_cast<std::size_t>(begin); n < static_cast<std::size_t>(end);
                         ++n) {
-                     const std::size_t first = n * kWidth;
-                     const std::size_t children = std::min(kWidth, frusta.size() - first);
-                     for (std::size_t i = 0; i < kWidth; ++i)
+                     const std::size_t first = n * kLanes;
+                     const std::size_t children = std::min(kLanes, frusta.size() - first);
+                     for (std::size_t i = 0; i < kLanes; ++i)
                        setChild(nodes[n], i, i < children ? frusta[first + i] : BeamFrustum{});
                      bounds[n] = boundFrusta({frusta.data() + first, children});
                    }
                  });
     frusta = std::move(bounds);
   } while (frusta.size() > 1);
-  tileLevel_ = std::min(kTileLevel, levels_.size() - 1);
-  tileCount_ = levels_[tileLevel_].size();
+  view_.topLevel = static_cast<std::uint32_t>(levels_.size() - 1);
+  view_.tileLevel = std::min(kTileLevel, view_.topLevel);
+  for (std::size_t i = 0; i < levels_.size(); ++i) view_.levels[i] = levels_[i].data();
 }
 
-template <class F>
-void BeamQuadtree::descend(std::size_t level, std::size_t node, std::size_t lowest, const Vec3& p,
-                           F&& f) const {
-  std::uint32_t mask = childrenWith(levels_[level][node], p);
-  for (; mask != 0; mask &= mask - 1) {
-    const std::size_t child = node * kWidth + static_cast<std::size_t>(std::countr_zero(mask));
-    if (level == lowest)
-      f(child);
-    else
-      descend(level - 1, child, lowest, p, f);
-  }
-}
-
-void BeamQuadtree::findInTile(std::size_t tile, const Vec3& p, std::uint32_t photon,
-                              BeamPairBuffer& found) const {
-  descend(tileLevel_, tile, 0, p, [&](std::size_t cell) {
-    for (std::uint32_t b = blockBegin_[cell]; b < blockBegin_[cell + 1]; ++b) {
-      const Block& block = blocks_[b];
-      for (std::size_t i = 0; i < kWidth; ++i) {
-        const auto foot = beamFoot<float>(block.ox[i], block.oy[i], block.oz[i], block.dx[i],
-                                          block.dy[i], block.dz[i], p.x, p.y, p.z);
-        if (isInBeam(foot, {block.t0[i], block.t1[i]}, block.radius2[i]))
-          found.add(static_cast<std::uint32_t>(b * kWidth + i), photon, foot);
-      }
-    }
-  });
+BeamQuadtree::BlockRange BeamQuadtree::blocksOf(std::size_t tile) const {
+  const std::size_t cellCount = blockBegin_.size() - 1;
+  const std::size_t cells = view_.tileLevel == 0 ? kLanes : kLanes * kLanes;
+  return {blockBegin_[std::min(cellCount, tile * cells)],
+          blockBegin_[std::min(cellCount, (tile + 1) * cells)]};
 }
 
 void BeamQuadtree::findPairs(const PhotonPositions& photons, Sink sink, void* context) const {
+  forEachTile(photons, [&](std::size_t tile, std::span<const std::uint32_t> indices) {
+    BeamPairBuffer found(sink, context);
+    if (hasAvx2())
+      avx2::findPairsInTile(view_, tile, photons, indices, found);
+    else
+      generic::findPairsInTile(view_, tile, photons, indices, found);
+    found.flush();
+  });
+}
+
+void BeamQuadtree::forEachTile(const PhotonPositions& photons, const TileBody& body) const {
+  BRUME_CHECK(photons.size() < kNoBeam);
   std::size_t batch = kFirstBatch;
   for (std::size_t first = 0; first < photons.size();) {
     const std::size_t count = std::min(batch, photons.size() - first);
-    const std::size_t places = findBatch(photons, first, count, sink, context);
+    const PlacesByTile places = placesOf(view_, tileCount(), photons, first, count);
+    forEachChunk(static_cast<std::int64_t>(tileCount()), 1,
+                 [&](std::int64_t, std::int64_t, std::int64_t chunk) {
+                   const auto tile = static_cast<std::size_t>(chunk);
+                   const auto begin = places.begin[tile], end = places.begin[tile + 1];
+                   if (begin < end) body(tile, {places.photons.data() + begin, end - begin});
+                 });
     first += count;
     // As many photons as would have filled the places; the sums do not depend on it.
-    batch = std::clamp<std::size_t>(count * kBatchPlaces / std::max<std::size_t>(1, places), 64,
-                                    2 * kBatchPlaces);
+    const std::size_t taken = std::max<std::size_t>(1, places.photons.size());
+    batch = std::clamp<std::size_t>(count * kBatchPlaces / taken, 64, kBatchPlaces);
   }
-}
-
-std::size_t BeamQuadtree::findBatch(const PhotonPositions& photons, std::size_t first,
-                                    std::size_t count, Sink sink, void* context) const {
-  const auto at = [&](std::size_t i) { return Vec3(photons.x[i], photons.y[i], photons.z[i]); };
-  std::vector<std::vector<Place>> chunks(divideUp(count, static_cast<std::size_t>(kPhotonsAtOnce)));
-  forEachChunk(static_cast<std::int64_t>(count), kPhotonsAtOnce,
-               [&](std::int64_t begin, std::int64_t end, std::int64_t chunk) {
-                 auto& places = chunks[static_cast<std::size_t>(chunk)];
-                 for (std::int64_t i = begin; i < end; ++i) {
-                   const auto photon =
-                       static_cast<std::uint32_t>(first + static_cast<std::size_t>(i));
-                   const auto put = [&](std::size_t tile) {
-                     places.push_back({static_cast<std::uint32_t>(tile), photon});
-                   };
-                   if (levels_.size() - 1 == tileLevel_)
-                     put(0);
-                   else
-                     descend(levels_.size() - 1, 0, tileLevel_ + 1, at(photon), put);
-                 }
-               });
-  const PlacesByTile places = sortPlaces(chunks, tileCount_);
-  forEachChunk(static_cast<std::int64_t>(tileCount_), 1,
-               [&](std::int64_t, std::int64_t, std::int64_t chunk) {
-                 const auto tile = static_cast<std::size_t>(chunk);
-                 if (places.begin[tile] == places.begin[tile + 1]) return;
-                 BeamPairBuffer found(sink, context);
-                 for (std::uint32_t i = places.begin[tile]; i < places.begin[tile + 1]; ++i)
-                   findInTile(tile, at(places.photons[i]), places.photons[i], found);
-                 found.flush();
-               });
-  return places.photons.size();
 }
 
 std::size_t BeamQuadtree::memoryBytes() const {
   std::size_t bytes = sizeof(*this) + blocks_.capacity() * sizeof(Block) +
+                      pieceStarts_.capacity() * sizeof(BeamTreeView::Row) +
                       (blockBegin_.capacity() + slotBeams_.capacity()) * sizeof(std::uint32_t);
   for (const auto& level : levels_) bytes += level.capacity() * sizeof(Node);
   return bytes;

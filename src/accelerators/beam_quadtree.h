@@ -18,36 +18,69 @@
 #pragma once
 
 #include <array>
+#include <functional>
 
 #include "accelerators/beam_frustum.h"
 #include "accelerators/beam_lookup.h"
 #include "accelerators/beam_order.h"
+#include "accelerators/lanes.h"
 
 namespace brume {
 
-class BeamQuadtree final : public BeamLookup {
- public:
-  static constexpr std::size_t kWidth = 8;
+/// What the kernels see.
+struct BeamTreeView {
+  using Row = std::array<float, kLanes>;
   /// The frusta of 8 children.
   struct alignas(32) Node {
-    using Row = std::array<float, kWidth>;
     Row ax, ay, az, ux, uy, uz, s0, s1, r0, k;
   };
   /// 8 beams.
   struct alignas(32) Block {
-    using Row = std::array<float, kWidth>;
-    Row ox, oy, oz, dx, dy, dz, t0, t1, radius2;
+    Row ox, oy, oz, dx, dy, dz, t0, t1, radius2, inverseRadius2;
   };
+  static constexpr std::size_t kMaxLevels = 12;  // 8^12 > 2^32
 
+  const Block* blocks = nullptr;
+  const std::uint32_t* blockBegin = nullptr;     ///< of each cell, and the end of the last
+  std::array<const Node*, kMaxLevels> levels{};  ///< the lowest first
+  std::uint32_t topLevel = 0, tileLevel = 0;     ///< of the root; of the nodes that are tiles
+  const Row* pieceStarts = nullptr;  ///< by block: t0 of the beam a piece is from; null: no pieces
+
+  /// Where the beams of a block start, not their pieces; infinite where there is none.
+  const Row& startsOf(std::uint32_t block) const {
+    return pieceStarts ? pieceStarts[block] : blocks[block].t0;
+  }
+};
+
+class BeamQuadtree final : public BeamLookup {
+ public:
   /// Beam::pixel must be below the area of the resolution.
   BeamQuadtree(std::span<const Beam> beams, Vec2i resolution);
   static BeamQuadtree inSpace(std::span<const Beam> beams);
+  BeamQuadtree(BeamQuadtree&&) = default;
+  BeamQuadtree& operator=(BeamQuadtree&&) = default;
 
   void findPairs(const PhotonPositions& photons, Sink sink, void* context) const override;
   std::size_t memoryBytes() const override;
-  std::size_t tileCount() const { return tileCount_; }
+
+  const BeamTreeView& view() const { return view_; }
+  std::size_t tileCount() const { return levels_[view_.tileLevel].size(); }
+  /// Blocks [begin, end) of a tile; slot = 8 * block + lane.
+  struct BlockRange {
+    std::uint32_t begin, end;
+  };
+  BlockRange blocksOf(std::size_t tile) const;
+
+  /// Calls body(tile, indices) for tiles and the photons that may be inside their beams, tiles in
+  /// parallel, the photons of one tile in order, in one or several calls one after another.
+  using TileBody =
+      std::function<void(std::size_t tile, std::span<const std::uint32_t> photonIndices)>;
+  void forEachTile(const PhotonPositions& photons, const TileBody& body) const;
 
  private:
+  using Node = BeamTreeView::Node;
+  using Block = BeamTreeView::Block;
+
   BeamQuadtree() = default;
   /// `owners`: the beam of each given one, where these are pieces; else empty.
   void build(std::span<const Beam> beams, const BeamCells& cells,
@@ -55,21 +88,12 @@ class BeamQuadtree final : public BeamLookup {
   BeamFrustum fillCell(std::size_t cell, std::span<const Beam> beams, const BeamCells& cells,
                        std::span<const std::uint32_t> owners);
   void buildLevels(std::vector<BeamFrustum> frusta);
-  /// Calls f(child) for the children of nodes of the level `lowest` below `node` that may contain
-  /// p.
-  template <class F>
-  void descend(std::size_t level, std::size_t node, std::size_t lowest, const Vec3& p, F&& f) const;
-  void findInTile(std::size_t tile, const Vec3& p, std::uint32_t photon,
-                  BeamPairBuffer& found) const;
-  /// Returns in how many tiles the photons had places.
-  std::size_t findBatch(const PhotonPositions& photons, std::size_t first, std::size_t count,
-                        Sink sink, void* context) const;
 
   std::vector<Block> blocks_;
-  std::vector<std::uint32_t> blockBegin_;  ///< of each cell, and the end of the last
-  std::vector<std::vector<Node>> levels_;  ///< the lowest first; the last has one node
-  std::size_t tileLevel_ = 0;              ///< nodes of this level are tiles
-  std::size_t tileCount_ = 0;
+  std::vector<std::uint32_t> blockBegin_;
+  std::vector<std::vector<Node>> levels_;
+  std::vector<BeamTreeView::Row> pieceStarts_;
+  BeamTreeView view_;
 };
 
 }  // namespace brume

@@ -21,7 +21,7 @@ struct PhotonCloud {
   }
   std::size_t size() const { return x.size(); }
   Vec3 operator[](std::size_t i) const { return {x[i], y[i], z[i]}; }
-  operator PhotonPositions() const { return {x, y, z}; }
+  operator PhotonPositions() const { return PhotonPositions(x, y, z); }
 };
 
 enum class Rays { Pinhole, ThinLens, Orthographic, Environment, Mirrored, Scattered };
