@@ -13,7 +13,7 @@ namespace {
 Ray rayOf(const BeamScene& scene, Vec2 raster, Rng& rng) {
   const Vec2 size(scene.resolution);
   const Vec2 p = (2.f * raster - size) / std::max(size.x, size.y);
-  const Ray pinhole(Vec3(0), normalize(Vec3(p.x, -p.y, 1.2f)));
+  const Ray pinhole{Vec3(0), normalize(Vec3(p.x, -p.y, 1.2f))};
   switch (scene.rays) {
     case Rays::Pinhole:
       return pinhole;
