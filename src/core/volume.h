@@ -32,6 +32,20 @@ struct MediumCoefficients {
   }
 };
 
+/// A direction in which light scatters at a point of a medium.
+struct ScatterSample {
+  Vec3 wi{0};     ///< unit, from the point towards where the light comes from
+  Rgb value;      ///< phase function of each channel [1/sr]
+  float pdf = 0;  ///< per solid angle
+};
+
+/// Density of Volume::samplePhase in a direction where Volume::phase has this value.
+inline float phasePdf(const Rgb& value, const Rgb& carried) {
+  const float sum = carried.r + carried.g + carried.b;
+  return sum > 0 ? (carried.r * value.r + carried.g * value.g + carried.b * value.b) / sum
+                 : value.average();
+}
+
 /// A stretch of a ray on which a medium is `unit` times one scalar density known in closed form.
 struct MediumPiece {
   enum class Form {
@@ -92,12 +106,15 @@ class Volume {
   virtual bool isEmissive() const = 0;
   virtual bool isScattering() const = 0;
 
-  /// Phase function value at p [1/sr], the mean weighted by the luminance of sigma_s where volumes
-  /// overlap (PBRT-v2). At points without scattering the value has no meaning.
-  virtual float phase(const Vec3& p, const Vec3& wo, const Vec3& wi) const = 0;
-  /// pdf = value = phase().
-  virtual PhaseSample samplePhase(const Vec3& p, const Vec3& wo, float uComponent,
-                                  Vec2 u) const = 0;
+  /// Phase function at p for each channel [1/sr]. Where volumes overlap it is the mean weighted by
+  /// the channel's sigma_s, so that sigma_s * phase is the sum of what each of them scatters. Each
+  /// channel is normalised, but at points (channels) without scattering it has no meaning.
+  virtual Rgb phase(const Vec3& p, const Vec3& wo, const Vec3& wi) const = 0;
+  /// A direction with the density phasePdf(phase(p, wo, wi), carried). `carried` >= 0: what a path
+  /// carries in each channel, sigma_s included; the sum of carried * value / pdf is that of
+  /// carried.
+  virtual ScatterSample samplePhase(const Vec3& p, const Vec3& wo, const Rgb& carried,
+                                    float uComponent, Vec2 u) const = 0;
   /// No phase function value in the region is larger [1/sr].
   virtual float phasePeak() const = 0;
 };

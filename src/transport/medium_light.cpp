@@ -59,18 +59,19 @@ Rgb estimateInscattering(const Scene& scene, const MediumVertex& vertex, const L
   const float q = phaseShare(volume, vertex, light);
 
   if (u.technique < q) {
-    const PhaseSample s = volume.samplePhase(vertex.p, vertex.wo, u.lobe, u.phase);
+    const ScatterSample s =
+        volume.samplePhase(vertex.p, vertex.wo, vertex.carried, u.lobe, u.phase);
     if (!(s.pdf > 0)) return {};
     const Arrival a = arrival(scene, vertex, light, s.wi, stats);
-    return a.L * (s.value / (q * s.pdf + (1 - q) * a.lightPdf));
+    return a.L * s.value / (q * s.pdf + (1 - q) * a.lightPdf);
   }
 
   const auto s = light.sampleLi(vertex.p, u.light);
   if (!s || !(s->pdf > 0)) return {};
-  const float p = volume.phase(vertex.p, vertex.wo, s->wi);
-  const float pdf = q * p + (1 - q) * s->pdf;
+  const Rgb p = volume.phase(vertex.p, vertex.wo, s->wi);
+  const float pdf = q * phasePdf(p, vertex.carried) + (1 - q) * s->pdf;
   const Ray shadow = Scene::shadowRay(vertex.p, vertex.time, *s);
-  return attenuated(scene, s->L * (p / pdf), shadow, stats);
+  return attenuated(scene, s->L * p / pdf, shadow, stats);
 }
 
 }  // namespace brume

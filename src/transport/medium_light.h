@@ -10,6 +10,7 @@ struct MediumVertex {
   Vec3 p{0};
   Vec3 wo{0};  ///< unit, to the viewer
   float time = 0;
+  Rgb carried{1.f};  ///< what the estimate will be multiplied by, up to a factor: guides sampling
 };
 
 /// Random numbers for one estimate.

@@ -7,8 +7,9 @@ namespace brume {
 
 namespace {
 
-/// The sum of several volumes: coefficients add up where they overlap, and what one of them emits
-/// is attenuated by all. Source: PBRT-v2. Test: aggregate_test.
+/// The sum of several volumes: coefficients add up where they overlap, what one of them emits is
+/// attenuated by all, and each scatters by its own phase function: sigma_s p = sum_k sigma_s,k p_k
+/// in every channel (PBRT-v2 weights the p_k by luminance). Test: volumes_test, volpath_test.
 class Aggregate final : public Volume {
  public:
   explicit Aggregate(std::vector<const Volume*> volumes) : volumes_(std::move(volumes)) {
@@ -71,38 +72,39 @@ class Aggregate final : public Volume {
                        [](const Volume* v) { return v->isScattering(); });
   }
 
-  float phase(const Vec3& p, const Vec3& wo, const Vec3& wi) const override {
-    float sum = 0, weights = 0;
+  Rgb phase(const Vec3& p, const Vec3& wo, const Vec3& wi) const override {
+    const Rgb total = at(p).sigma_s;
+    if (total.isBlack()) return volumes_.front()->phase(p, wo, wi);
+    Rgb sum;
     for (const Volume* v : volumes_) {
-      const float weight = v->at(p).sigma_s.luminance();
-      if (weight <= 0) continue;
-      sum += weight * v->phase(p, wo, wi);
-      weights += weight;
+      const Rgb share = shareOf(v->at(p).sigma_s, total);
+      if (!share.isBlack()) sum += share * v->phase(p, wo, wi);
     }
-    return weights > 0 ? sum / weights : volumes_.front()->phase(p, wo, wi);
+    return sum;
   }
 
-  PhaseSample samplePhase(const Vec3& p, const Vec3& wo, float uComponent, Vec2 u) const override {
-    float total = 0;
-    for (const Volume* v : volumes_) total += v->at(p).sigma_s.luminance();
-    if (total <= 0) return volumes_.front()->samplePhase(p, wo, uComponent, u);
+  ScatterSample samplePhase(const Vec3& p, const Vec3& wo, const Rgb& carried, float uComponent,
+                            Vec2 u) const override {
+    const Rgb total = at(p).sigma_s;
+    if (total.isBlack()) return volumes_.front()->samplePhase(p, wo, carried, uComponent, u);
 
-    // One volume by its share, its own lobe by the rest of the random number.
-    float rest = uComponent * total;
+    // One volume by its share of what is carried, its own lobe by the rest of the random number.
+    float rest = uComponent, offset = 0, chosenWeight = 1;
     const Volume* chosen = nullptr;
-    float chosenWeight = 0, offset = 0;
     for (const Volume* v : volumes_) {
-      const float weight = v->at(p).sigma_s.luminance();
-      if (weight <= 0) continue;
+      const float weight = phasePdf(shareOf(v->at(p).sigma_s, total), carried);
+      if (!(weight > 0)) continue;
       chosen = v;
       chosenWeight = weight;
       offset = rest;
       if (rest < weight) break;
       rest -= weight;
     }
-    PhaseSample sample =
-        chosen->samplePhase(p, wo, std::clamp(offset / chosenWeight, 0.f, kOneMinusEpsilon), u);
-    sample.value = sample.pdf = phase(p, wo, sample.wi);
+    if (!chosen) return {};
+    ScatterSample sample = chosen->samplePhase(
+        p, wo, carried, std::clamp(offset / chosenWeight, 0.f, kOneMinusEpsilon), u);
+    sample.value = phase(p, wo, sample.wi);
+    sample.pdf = phasePdf(sample.value, carried);
     return sample;
   }
 
@@ -114,6 +116,12 @@ class Aggregate final : public Volume {
   }
 
  private:
+  /// A volume's share of the scattering in each channel; in channels that do not scatter, of all.
+  static Rgb shareOf(const Rgb& sigma_s, const Rgb& total) {
+    const float ofAll = sigma_s.average() / total.average();
+    return {total.r > 0 ? sigma_s.r / total.r : ofAll, total.g > 0 ? sigma_s.g / total.g : ofAll,
+            total.b > 0 ? sigma_s.b / total.b : ofAll};
+  }
   /// Kept per thread, so that its memory is reused from call to call.
   static const MediumAlongRay& lookUpIn(const Aggregate& self, const Ray& ray, Interval range) {
     thread_local MediumAlongRay record;

@@ -45,9 +45,13 @@ class BoxVolume : public Volume {
   bool isClosedForm() const override { return true; }
   bool isEmissive() const final { return !unit_.Le.isBlack() && maxDensity() > 0; }
   bool isScattering() const final { return !unit_.sigma_s.isBlack() && maxDensity() > 0; }
-  float phase(const Vec3&, const Vec3& wo, const Vec3& wi) const final { return phase_->p(wo, wi); }
-  PhaseSample samplePhase(const Vec3&, const Vec3& wo, float uComponent, Vec2 u) const final {
-    return phase_->sample(wo, uComponent, u);
+  Rgb phase(const Vec3&, const Vec3& wo, const Vec3& wi) const final {
+    return Rgb(phase_->p(wo, wi));
+  }
+  ScatterSample samplePhase(const Vec3&, const Vec3& wo, const Rgb&, float uComponent,
+                            Vec2 u) const final {
+    const PhaseSample s = phase_->sample(wo, uComponent, u);
+    return {s.wi, Rgb(s.value), s.pdf};
   }
   float phasePeak() const final { return phase_->peak(); }
 

@@ -45,7 +45,7 @@ double quadrature(const Scene& scene, const Ray& ray, int channel) {
           const auto s = light->sampleLi(p, Vec2(0));
           if (!s) continue;
           const Ray shadow{p, s->wi, s->distance};
-          sum += double{s->L[channel]} * double{v.phase(p, -ray.d, s->wi)} *
+          sum += double{s->L[channel]} * double{v.phase(p, -ray.d, s->wi)[channel]} *
                  double{v.transmittance(shadow)[channel]};
         }
         const Interval before{range->t0, static_cast<float>(t)};

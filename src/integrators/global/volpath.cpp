@@ -159,11 +159,11 @@ Rgb VolPath::equiangularLight(const PathState& path, const Segment& segment,
   if (!light || light->L.isBlack()) return {};
   const Ray shadow = Scene::shadowRay(p, path.ray.time, *light);
   if (scene_.isOccluded(shadow, context.stats)) return {};
-  const float phase = scene_.volume()->phase(p, -path.ray.d, light->wi);
+  const Rgb phase = scene_.volume()->phase(p, -path.ray.d, light->wi);
   const float pdf =
       chosen.probability * at.pdf + grid_.probability(p, chosen.light) * flightPdf(segment, at.t);
   return path.throughput * segment.medium.transmittance(at.t) * medium.sigma_s * light->L *
-         transmittance(shadow) * (phase / pdf);
+         transmittance(shadow) * phase / pdf;
 }
 
 /// Draws a free flight; the throughput takes the attenuation, sigma_s and the density in.
@@ -202,26 +202,27 @@ bool VolPath::scatterInMedium(PathState& path, const Segment& segment, const Fli
   if (const auto choice = grid_.choose(p, uChoice)) {
     if (const auto light = choice->light->sampleLi(p, uLight);
         light && light->pdf > 0 && !light->L.isBlack()) {
-      const float phase = volume.phase(p, wo, light->wi);
+      const Rgb phase = volume.phase(p, wo, light->wi);
       const Ray shadow = Scene::shadowRay(p, path.ray.time, *light);
-      if (phase > 0 && !scene_.isOccluded(shadow, context.stats)) {
+      if (!phase.isBlack() && !scene_.isOccluded(shadow, context.stats)) {
         const float lightPdf = choice->probability * light->pdf;
         // Lights without extent are also seen by equiangularLight, the others by the ray that goes
         // on.
-        float weight = powerHeuristic(lightPdf, phase);
+        float weight = powerHeuristic(lightPdf, phasePdf(phase, path.throughput));
         if (choice->light->isDelta()) {
           const float here = choice->probability * flight.pdf;
           const float there =
               choice->light->position() ? equiangularPdf(segment, *choice->light, *flight.t) : 0.f;
           weight = here / (here + there);
         }
-        path.L += path.throughput * transmittance(shadow) * light->L * (phase * weight / lightPdf);
+        path.L += path.throughput * transmittance(shadow) * light->L * phase * (weight / lightPdf);
       }
     }
   }
 
   const float uLobe = context.samples.get1D();
-  const PhaseSample sample = volume.samplePhase(p, wo, uLobe, context.samples.get2D());
+  const ScatterSample sample =
+      volume.samplePhase(p, wo, path.throughput, uLobe, context.samples.get2D());
   if (!(sample.pdf > 0)) return false;
   path.throughput *= sample.value / sample.pdf;
   path.ray = FootprintRay(Ray{p, sample.wi, kInfinity, path.ray.time});

@@ -163,9 +163,10 @@ class Single final : public VolumeIntegrator {
       if (!at || at->medium.sigma_s.isBlack()) return Rgb();
       stats.add(Stat::VolumeSamples);
       const Ray& ray = medium.ray();
-      return estimateInscattering(scene_, {ray(at->t), -ray.d, ray.time}, *chosen.light,
+      const Rgb carried = at->medium.sigma_s * at->Tr;
+      return estimateInscattering(scene_, {ray(at->t), -ray.d, ray.time, carried}, *chosen.light,
                                   uniforms(k), stats) *
-             at->medium.sigma_s * at->Tr / at->pdf;
+             carried / at->pdf;
     };
     if (n == 1) return gather(distances.sample(offset), 0);
 
@@ -229,7 +230,8 @@ class Single final : public VolumeIntegrator {
       u.lobe = rng.uniform();
       u.phase = rng.uniform2();
       sum += Tr * at.sigma_s * static_cast<float>(lightCount) *
-             estimateInscattering(scene_, {ray(t), -ray.d, ray.time}, light, u, context.stats);
+             estimateInscattering(scene_, {ray(t), -ray.d, ray.time, at.sigma_s}, light, u,
+                                  context.stats);
     }
     return sum * step;
   }
