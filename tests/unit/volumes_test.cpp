@@ -549,7 +549,9 @@ TEST(Aggregate, PhaseIsSampledByWhatIsCarried) {
       const double g = .6 * double{share[c]} - .2 * (1 - double{share[c]});
       expected += double{carried[c]} * g;
       carriedSum += double{carried[c]};
-      if (carried[c] > 0) EXPECT_NEAR(meanOfChannel[c], g, .06) << c;
+      if (carried[c] > 0) {
+        EXPECT_NEAR(meanOfChannel[c], g, .06) << c;
+      }
     }
     EXPECT_NEAR(mean, expected / carriedSum, .015);
   }

@@ -174,8 +174,13 @@ VolPath::Flight VolPath::sampleFlight(PathState& path, const Segment& segment,
   const int channel = uChannel < channels.r                                   ? 0
                       : uChannel < channels.r + channels.g || channels.b == 0 ? 1
                                                                               : 2;
+  // What chose the channel refines the depth as well: 24 bits alone would draw depths below 1e-6 by
+  // the wrong probability.
+  const double before = channel == 0 ? 0 : channel == 1 ? channels.r : channels.r + channels.g;
+  const double rest =
+      std::clamp((uChannel - before) / double{channels[channel]}, 0.0, double{kOneMinusEpsilon});
   Flight flight;
-  flight.t = segment.medium.invert(channel, -std::log1p(-static_cast<double>(uDepth)));
+  flight.t = segment.medium.invert(channel, -std::log1p(-(double{uDepth} + rest * 0x1p-24)));
   if (!flight.t) {
     const Rgb Tr = segment.medium.transmittance(), reach = channels * Tr;
     path.throughput *= Tr / (reach.r + reach.g + reach.b);
