@@ -111,7 +111,7 @@ bool PhotonTracer::scatterInMedium(Path& path, float t, const Rgb& albedo,
   ++path.scatterings;
   if (!path.survives(path.power * albedo, uSurvival)) return false;
   const Vec3 p = path.ray(t);
-  const PhaseSample sample = scene_.volume()->samplePhase(p, -path.ray.d, uLobe, u);
+  const ScatterSample sample = scene_.volume()->samplePhase(p, -path.ray.d, path.power, uLobe, u);
   if (!(sample.pdf > 0)) return false;
   path.power *= sample.value / sample.pdf;
   path.ray = Ray{p, sample.wi, kInfinity, path.ray.time};
