@@ -117,6 +117,15 @@ CLI::App* declarePlugins(CLI::App& app, PluginWords& words) {
   return plugins;
 }
 
+CLI::App* declarePhotons(CLI::App& app, PhotonReportOptions& options) {
+  CLI::App* photons = app.add_subcommand("photons", "Show what is in a photon file");
+  photons->add_option("FILE", options.file, "file that \"savephotons\" wrote")
+      ->type_name("")
+      ->required();
+  addValue(*photons, "--ply", options.ply, "OUT.ply", "also write the photons as a point cloud");
+  return photons;
+}
+
 /// What `read` makes of an option, when it was given.
 template <class Read>
 auto given(const char* name, const std::string& value, Read read)
@@ -231,9 +240,11 @@ Command parseCommandLine(int argc, const char* const* argv) {
   RenderWords render;
   DiffWords compare;
   PluginWords manual;
+  PhotonReportOptions photonReport;
   declareRender(app, render);
   const CLI::App* diff = declareDiff(app, compare);
   const CLI::App* plugins = declarePlugins(app, manual);
+  const CLI::App* photons = declarePhotons(app, photonReport);
 
   try {
     app.parse(argc, argv);
@@ -244,10 +255,10 @@ Command parseCommandLine(int argc, const char* const* argv) {
   } catch (const CLI::ParseError& error) {
     throw SceneError(fmt::format("{}; see brume --help", error.what()));
   }
-  for (const CLI::App* part : {static_cast<const CLI::App*>(&app), diff, plugins})
+  for (const CLI::App* part : {static_cast<const CLI::App*>(&app), diff, plugins, photons})
     if (const auto extras = part->remaining(); !extras.empty()) failOnExtra(*part, extras.front());
 
-  for (const CLI::App* command : {diff, plugins})
+  for (const CLI::App* command : {diff, plugins, photons})
     if (command->parsed()) {
       for (const CLI::Option* option : app.get_options())
         if (option->count() != 0)
@@ -256,7 +267,8 @@ Command parseCommandLine(int argc, const char* const* argv) {
     }
   if (diff->parsed()) return readDiff(compare);
   if (plugins->parsed()) return PluginManualOptions{manual.name, manual.markdown};
-  checkSceneWords(render.scenes, {diff->get_name(), plugins->get_name()});
+  if (photons->parsed()) return photonReport;
+  checkSceneWords(render.scenes, {diff->get_name(), photons->get_name(), plugins->get_name()});
   return readRender(render);
 }
 

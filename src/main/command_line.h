@@ -10,6 +10,7 @@
 #include "core/log.h"
 #include "renderers/render_job.h"
 #include "tools/diff.h"
+#include "tools/photon_report.h"
 #include "tools/plugin_manual.h"
 
 namespace brume {
@@ -31,7 +32,8 @@ struct ShowText {
   std::string text;
 };
 
-using Command = std::variant<RenderCommand, DiffOptions, PluginManualOptions, ShowText>;
+using Command =
+    std::variant<RenderCommand, DiffOptions, PluginManualOptions, PhotonReportOptions, ShowText>;
 
 /// Throws SceneError for an option that does not exist, a value that it cannot take or a
 /// contradiction.

@@ -29,6 +29,11 @@ int run(const PluginManualOptions& options) {
   return kExitDone;
 }
 
+int run(const PhotonReportOptions& options) {
+  printResult(reportPhotons(options));
+  return kExitDone;
+}
+
 int run(const ShowText& show) {
   printResult(show.text);
   return kExitDone;

@@ -4,6 +4,14 @@
 namespace brume {
 namespace {
 
+constexpr std::string_view kClassTexts[kPhotonClasses] = {
+    "on surfaces, straight from the lights",
+    "of caustics on surfaces",
+    "of indirect light on surfaces",
+    "in the media, straight from the lights",
+    "of caustics in the media",
+    "of multiply scattered light in the media"};
+
 /// A unit vector on the octahedron |x| + |y| + |z| = 1, its lower half folded out: [-1, 1]^2.
 Vec2 toOctahedron(const Vec3& v) {
   const float scale = 1 / (std::abs(v.x) + std::abs(v.y) + std::abs(v.z));
@@ -34,6 +42,8 @@ float dequantise(std::uint32_t q) {
 }
 
 }  // namespace
+
+std::string_view describe(PhotonClass c) { return kClassTexts[static_cast<std::size_t>(c)]; }
 
 PackedDirection::PackedDirection(const Vec3& unit) {
   const Vec2 p = toOctahedron(unit);

@@ -10,6 +10,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string_view>
 #include <vector>
 
 #include "core/math.h"
@@ -28,6 +29,8 @@ enum class PhotonClass : std::uint8_t {
   Count
 };
 inline constexpr std::size_t kPhotonClasses = static_cast<std::size_t>(PhotonClass::Count);
+/// Words that follow "photons": "on surfaces, straight from the lights" and so on.
+std::string_view describe(PhotonClass c);
 
 /// A set of classes, as bits.
 class PhotonClasses {

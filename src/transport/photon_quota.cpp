@@ -14,13 +14,6 @@ constexpr std::uint64_t kFirstPilot = 1 << 14, kLastPilot = 1 << 18;
 constexpr std::uint64_t kPilotPhotons = 400;
 constexpr double kMaxPaths = 0x1p31;
 
-constexpr const char* kNames[kPhotonClasses] = {"on surfaces, straight from the lights",
-                                                "of caustics on surfaces",
-                                                "of indirect light on surfaces",
-                                                "in the media, straight from the lights",
-                                                "of caustics in the media",
-                                                "of multiply scattered light in the media"};
-
 using Yield = std::array<std::uint64_t, kPhotonClasses>;
 
 Yield countClasses(const std::vector<Photon>& photons) {
@@ -65,10 +58,11 @@ PathsPerClass pathsFor(const PhotonTracer& tracer, const PhotonCounts& wanted,
           yield[c] == 0
               ? fmt::format("no photon {} could be stored: of {} light paths none left one; the "
                             "lights do not reach there",
-                            kNames[c], pilot)
+                            describe(static_cast<PhotonClass>(c)), pilot)
               : fmt::format("{} photons {} would take {:.3g} light paths: {} of {} left one; ask "
                             "for fewer, or light the scene from nearer",
-                            wanted[c], kNames[c], needed, yield[c], pilot));
+                            wanted[c], describe(static_cast<PhotonClass>(c)), needed, yield[c],
+                            pilot));
     }
   }
   return paths;

@@ -4,10 +4,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <string_view>
 
 #include "core/error.h"
+#include "core/io/crc32.h"
 #include "core/io/image_limits.h"
 #include "core/io/jpeg_integrity.h"
 
@@ -26,22 +26,6 @@ bool startsWith(ByteSpan bytes, std::string_view prefix) {
 
 std::uint32_t bigEndian32(ByteSpan b) {
   return std::uint32_t{b[0]} << 24 | std::uint32_t{b[1]} << 16 | std::uint32_t{b[2]} << 8 | b[3];
-}
-
-/// CRC-32 of ISO 3309, as PNG chunks carry it.
-std::uint32_t crc32(ByteSpan bytes) {
-  static const auto kTable = [] {
-    std::array<std::uint32_t, 256> table{};
-    for (std::uint32_t i = 0; i < 256; ++i) {
-      std::uint32_t c = i;
-      for (int bit = 0; bit < 8; ++bit) c = c & 1 ? 0xedb88320u ^ (c >> 1) : c >> 1;
-      table[i] = c;
-    }
-    return table;
-  }();
-  std::uint32_t crc = 0xffffffffu;
-  for (const unsigned char b : bytes) crc = kTable[(crc ^ b) & 0xff] ^ (crc >> 8);
-  return ~crc;
 }
 
 /// Signature, then chunks of length, type, data and checksum up to IEND.

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+// `brume photons`: summary and point cloud.
+#include <gmock/gmock.h>
+
+#include <cstring>
+
+#include "support/photon_files.h"
+#include "support/run_program.h"
+
+namespace brume::test {
+namespace {
+
+using testing::HasSubstr;
+
+class Photons : public testing::Test {
+ protected:
+  ProgramResult run(std::vector<std::string> arguments) const {
+    arguments.insert(arguments.begin(), "photons");
+    return runBrume({arguments, folder_.path()});
+  }
+  std::string path(const std::string& name) const { return (folder_.path() / name).string(); }
+  const TemporaryFolder folder_;
+};
+
+/// Two photons that can be reckoned by heart.
+PhotonFile twoPhotons() {
+  PhotonFile file;
+  file.origin = {10, 20, 1e6};
+  file.seed = 42;
+  file.set.paths[1] = 1000;
+  file.set.paths[5] = 50;
+  file.set.photons = {
+      Photon::onSurface({1, 2, 3}, {0, 0, 1}, {0, 0, 1}, {2, 1, 0}, PhotonClass::SurfaceCaustic),
+      Photon::inMedium({-1, 0, 0.25f}, {1, 0, 0}, {0.5f, 0.25f, 2}, PhotonClass::VolumeMultiple)};
+  return file;
+}
+
+TEST_F(Photons, SummaryOfEachClass) {
+  writePhotonFile(path("map"), twoPhotons());
+  const ProgramResult result = run({"map"});
+  EXPECT_EQ(result.exitCode, 0);
+  EXPECT_EQ(result.err, "");
+  EXPECT_EQ(result.out,
+            "map: photon file, version 1\n"
+            "  photons                       2   64 bytes\n"
+            "  seed                         42\n"
+            "  origin             10 20 1e+06\n"
+            "  bounds             9 20 1e+06 to 11 22 1e+06\n"
+            "\n"
+            "  class                   photons  light paths   power of all, R G B [W]\n"
+            "  surface direct       not traced\n"
+            "  surface caustic               1         1000   2 1 0\n"
+            "  surface indirect     not traced\n"
+            "  volume unscattered   not traced\n"
+            "  volume caustic       not traced\n"
+            "  volume multiple               1           50   0.5 0.25 2\n");
+}
+
+TEST_F(Photons, PointCloud) {
+  writePhotonFile(path("map"), twoPhotons());
+  ASSERT_EQ(run({"map", "--ply", "cloud.ply"}).exitCode, 0);
+  const std::string ply = readFile(path("cloud.ply"));
+  const std::string end = "end_header\n";
+  EXPECT_TRUE(ply.starts_with("ply\nformat binary_little_endian 1.0\n"));
+  EXPECT_THAT(ply, HasSubstr("\nelement vertex 2\n"));
+  const std::size_t body = ply.find(end) + end.size();
+  constexpr std::size_t kVertex = 3 * 8 + 4 + 6 * 4;
+  ASSERT_EQ(ply.size(), body + 2 * kVertex);
+  double position[3];
+  std::memcpy(position, ply.data() + body, sizeof position);
+  EXPECT_EQ(position[0], 11);
+  EXPECT_EQ(position[1], 22);
+  EXPECT_EQ(position[2], 1e6 + 3);
+  // White is the power of the strongest; half of it is 188 in sRGB.
+  EXPECT_EQ(ply.substr(body + 24, 4), std::string("\xff\xbc\x00\x01", 4));
+  float numbers[6];
+  std::memcpy(numbers, ply.data() + body + kVertex + 28, sizeof numbers);
+  EXPECT_EQ(numbers[2], 2);
+  EXPECT_EQ(numbers[3], 1);
+}
+
+TEST_F(Photons, ErrorsExitWith1) {
+  folder_.write("text", "no photons\n");
+  const ProgramResult foreign = run({"text"});
+  EXPECT_EQ(foreign.exitCode, 1);
+  EXPECT_EQ(foreign.err, "brume: error: 'text' is not a photon file of brume\n");
+  EXPECT_EQ(run({"missing"}).exitCode, 1);
+  EXPECT_EQ(run({}).exitCode, 1);
+  writePhotonFile(path("map"), twoPhotons());
+  const ProgramResult unwritable = run({"map", "--ply", "none/cloud.ply"});
+  EXPECT_EQ(unwritable.exitCode, 1);
+  EXPECT_THAT(unwritable.err, HasSubstr("cannot write 'none/cloud.ply'"));
+  EXPECT_EQ(run({"map", "--spp", "4"}).exitCode, 1);
+}
+
+}  // namespace
+}  // namespace brume::test
