@@ -22,7 +22,7 @@ float Lobe::pdf(const Vec3& wo, const Vec3& wi) const {
 void Bsdf::reset(const Vec3& ns, const Vec3& dpdu, const Vec3& ng) {
   // The bitangent first: the cross product in double is orthogonal to ns however near to parallel
   // the two are and however long dpdu is.
-  const Vec3d bitangent = cross(Vec3d(ns), Vec3d(dpdu));
+  const Vec3d bitangent = dpdu == Vec3(0) ? Vec3d(0) : cross(Vec3d(ns), Vec3d(dpdu));
   const double l2 = dot(bitangent, bitangent);
   if (l2 > 0 && std::isfinite(l2)) {
     frame_.z = ns;

@@ -90,8 +90,8 @@ class Bsdf {
   Bsdf(const Bsdf&) = delete;
   Bsdf& operator=(const Bsdf&) = delete;
 
-  /// Sets the frame: shading normal ns, tangent dpdu (made orthogonal to ns), geometric normal ng;
-  /// and drops all lobes.
+  /// Sets the frame: shading normal ns, tangent dpdu (made orthogonal to ns; any where it is 0),
+  /// geometric normal ng; and drops all lobes.
   void reset(const Vec3& ns, const Vec3& dpdu, const Vec3& ng);
 
   /// Adds a lobe of type L, scaled by the present scale. More than kMaxLobes is a BRUME_CHECK

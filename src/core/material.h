@@ -41,6 +41,9 @@ class Material {
   virtual int maxLobes() const = 0;
   /// Displacement [scene length] for bump mapping; none by default.
   virtual const FloatSlot* bumpMap() const { return nullptr; }
+  /// Whether evaluate looks at the tangents of the surface, which other rays than those with a
+  /// footprint need not compute: for a bump map, or a lobe that differs along u and v.
+  virtual bool usesTangents() const { return bumpMap() != nullptr; }
 };
 
 /// Shading normal and tangents of a displaced surface (Blinn 1978), as PBRT-v2: half-pixel steps in

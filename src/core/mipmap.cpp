@@ -259,8 +259,9 @@ T MipMap<T>::lookup(Vec2 st, Vec2 dst0, Vec2 dst1) const {
   if (!(lod < static_cast<float>(levels() - 1))) return levels_.back().texels[0];
   const float below = std::floor(lod), delta = lod - below;
   const auto i = static_cast<std::size_t>(below);
-  return (1 - delta) * ewa(levels_[i], st, dst0, dst1) +
-         delta * ewa(levels_[i + 1], st, dst0, dst1);
+  const T finer = ewa(levels_[i], st, dst0, dst1);
+  if (delta == 0) return finer;  // magnified: level 0 alone
+  return (1 - delta) * finer + delta * ewa(levels_[i + 1], st, dst0, dst1);
 }
 
 /// The weights of the texels of one row in turn: the quadratic r^2(s) by its differences.

@@ -103,12 +103,15 @@ std::optional<SurfaceInteraction> Scene::intersect(const FootprintRay& ray, Stat
   if (!hit) return found;
 
   const Primitive& primitive = *hit->primitive;
+  const Material* material = primitive.material;
+  const bool isPlain = !ray.differential && material && !material->usesTangents();
   if (hit->instance) {
     const Transform groupToScene = hit->instance->groupToParent.at(ray.time);
     found = primitive.shape->interaction(groupToScene.inverse().ray(ray), hit->shape);
     transformInteraction(groupToScene, *found);
   } else {
-    found = primitive.shape->interaction(ray, hit->shape);
+    found = isPlain ? primitive.shape->interactionWithoutDerivatives(ray, hit->shape)
+                    : primitive.shape->interaction(ray, hit->shape);
   }
   SurfaceInteraction& si = *found;
   si.wo = -ray.d;

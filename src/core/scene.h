@@ -34,7 +34,8 @@ class Scene {
   };
   explicit Scene(Contents contents);
 
-  /// First surface along the ray, with its material, light and footprint; counts the ray.
+  /// First surface along the ray, with its material, light and footprint; counts the ray. Without
+  /// a footprint its derivatives may be 0, unless the material uses tangents.
   std::optional<SurfaceInteraction> intersect(const FootprintRay& ray, Stats& stats) const;
   /// Whether anything lies on the ray before tMax.
   bool isOccluded(const Ray& ray, Stats& stats) const;

@@ -54,6 +54,11 @@ class Shape {
   /// Everything that the shape knows of the hit: p with its error bound, normals, uv, derivatives.
   /// Not wo, time and material.
   virtual SurfaceInteraction interaction(const Ray& ray, const ShapeHit& hit) const = 0;
+  /// The same; shapes to whom they cost something may leave the derivatives at 0.
+  virtual SurfaceInteraction interactionWithoutDerivatives(const Ray& ray,
+                                                           const ShapeHit& hit) const {
+    return interaction(ray, hit);
+  }
 
   /// False: the shape cannot be an area light, and AreaLightSource on it is an error.
   virtual bool canSample() const { return true; }

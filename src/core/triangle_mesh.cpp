@@ -188,7 +188,8 @@ SurfaceDerivatives TriangleMesh::derivatives(std::uint32_t triangle, const Vec3&
   return result;
 }
 
-SurfaceInteraction TriangleMesh::interaction(const Ray& ray, const ShapeHit& hit) const {
+SurfaceInteraction TriangleMesh::interactionWithoutDerivatives(const Ray& ray,
+                                                               const ShapeHit& hit) const {
   const Corners c = corners(hit.primitive);
   const Plane plane(c.p0, c.p1, c.p2);
 
@@ -200,31 +201,40 @@ SurfaceInteraction TriangleMesh::interaction(const Ray& ray, const ShapeHit& hit
   else
     si.n = Vec3(flipsNormal_ ? -plane.n : plane.n);
   si.uv = uvAt(hit.primitive, hit.u, hit.v);
-  si.geometry = derivatives(hit.primitive, si.n);
-  si.ns = si.n;
-  si.shading = si.geometry;
-  if (!data_.normals.empty() || !data_.tangents.empty()) setShading(hit.primitive, hit, si);
+  si.ns = data_.normals.empty() ? si.n : shadingNormal(hit, si.n);
   return si;
 }
 
-/// Shading normal and tangents from the vertices' normals and tangents. As in PBRT-v2 the tangents
-/// are unit vectors of which the first points against dpdu, and the normal is flipped with
-/// ReverseOrientation and mirroring, whatever the side of n.
-void TriangleMesh::setShading(std::uint32_t triangle, const ShapeHit& hit,
-                              SurfaceInteraction& si) const {
-  const int* i = &data_.indices[3 * std::size_t{triangle}];
-  const float b0 = 1 - hit.u - hit.v;
-  const auto interpolate = [&](const std::vector<Vec3>& values) {
-    return values[i[0]] * b0 + values[i[1]] * hit.u + values[i[2]] * hit.v;
-  };
-  Vec3 ns = si.n, normalSum(0);
-  if (!data_.normals.empty()) {
-    normalSum = interpolate(data_.normals);
-    ns = tryNormalize(normalSum).value_or(si.n);
-  }
+SurfaceInteraction TriangleMesh::interaction(const Ray& ray, const ShapeHit& hit) const {
+  SurfaceInteraction si = interactionWithoutDerivatives(ray, hit);
+  si.geometry = derivatives(hit.primitive, si.n);
+  si.shading = si.geometry;
+  if (!data_.normals.empty() || !data_.tangents.empty()) setShadingDerivatives(hit, si);
+  return si;
+}
+
+Vec3 TriangleMesh::interpolated(const std::vector<Vec3>& values, const ShapeHit& hit) const {
+  const int* i = &data_.indices[3 * std::size_t{hit.primitive}];
+  return values[i[0]] * (1 - hit.u - hit.v) + values[i[1]] * hit.u + values[i[2]] * hit.v;
+}
+
+/// As in PBRT-v2 flipped with ReverseOrientation and mirroring, whatever the side of n.
+Vec3 TriangleMesh::shadingNormal(const ShapeHit& hit, const Vec3& n) const {
+  const std::optional<Vec3> ns = tryNormalize(interpolated(data_.normals, hit));
+  if (!ns) return n;
+  return flipsNormal_ ? -*ns : *ns;
+}
+
+/// Tangents and the change of the shading normal from the vertices' normals and tangents. As in
+/// PBRT-v2 the tangents are unit vectors of which the first points against dpdu.
+void TriangleMesh::setShadingDerivatives(const ShapeHit& hit, SurfaceInteraction& si) const {
+  const Vec3 normalSum = data_.normals.empty() ? Vec3(0) : interpolated(data_.normals, hit);
+  const double sumLength = length(Vec3d(normalSum));
+  const bool flips = flipsNormal_ && sumLength > 0;
+  const Vec3 ns = flips ? -si.ns : si.ns;  // as interpolated
 
   Vec3 along = si.geometry.dpdu;
-  if (!data_.tangents.empty()) along = interpolate(data_.tangents);
+  if (!data_.tangents.empty()) along = interpolated(data_.tangents, hit);
   const Vec3 tangent = tryNormalize(along).value_or(Vec3(0));
   if (const std::optional<Vec3> bitangent = tryNormalize(cross(tangent, ns))) {
     si.shading.dpdu = cross(*bitangent, ns);
@@ -234,25 +244,22 @@ void TriangleMesh::setShading(std::uint32_t triangle, const ShapeHit& hit,
     si.shading.dpdu = frame.x;
     si.shading.dpdv = frame.y;
   }
+  if (!(sumLength > 0)) return;
 
   // The derivative of the normalised sum, across the uv of the triangle.
-  const double sumLength = length(Vec3d(normalSum));
-  const bool flips = flipsNormal_ && sumLength > 0;
-  if (sumLength > 0) {
-    const std::array<Vec2, 3> uv = triangleUvs(triangle);
-    const double du1 = double{uv[0].x} - uv[2].x, du2 = double{uv[1].x} - uv[2].x;
-    const double dv1 = double{uv[0].y} - uv[2].y, dv2 = double{uv[1].y} - uv[2].y;
-    const double determinant = du1 * dv2 - dv1 * du2;
-    const Vec3d n(ns), dn1 = Vec3d(data_.normals[i[0]]) - Vec3d(data_.normals[i[2]]),
-                       dn2 = Vec3d(data_.normals[i[1]]) - Vec3d(data_.normals[i[2]]);
-    const auto projected = [&](const Vec3d& d) {
-      const Vec3 result((d - n * dot(n, d)) * ((flips ? -1 : 1) / (determinant * sumLength)));
-      return isFinite(result) ? result : Vec3(0);
-    };
-    si.shading.dndu = projected(dn1 * dv2 - dn2 * dv1);
-    si.shading.dndv = projected(dn2 * du1 - dn1 * du2);
-  }
-  si.ns = flips ? -ns : ns;
+  const int* i = &data_.indices[3 * std::size_t{hit.primitive}];
+  const std::array<Vec2, 3> uv = triangleUvs(hit.primitive);
+  const double du1 = double{uv[0].x} - uv[2].x, du2 = double{uv[1].x} - uv[2].x;
+  const double dv1 = double{uv[0].y} - uv[2].y, dv2 = double{uv[1].y} - uv[2].y;
+  const double determinant = du1 * dv2 - dv1 * du2;
+  const Vec3d n(ns), dn1 = Vec3d(data_.normals[i[0]]) - Vec3d(data_.normals[i[2]]),
+                     dn2 = Vec3d(data_.normals[i[1]]) - Vec3d(data_.normals[i[2]]);
+  const auto projected = [&](const Vec3d& d) {
+    const Vec3 result((d - n * dot(n, d)) * ((flips ? -1 : 1) / (determinant * sumLength)));
+    return isFinite(result) ? result : Vec3(0);
+  };
+  si.shading.dndu = projected(dn1 * dv2 - dn2 * dv1);
+  si.shading.dndv = projected(dn2 * du1 - dn1 * du2);
 }
 
 void TriangleMesh::buildAreaCdf() const {

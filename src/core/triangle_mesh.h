@@ -46,6 +46,7 @@ class TriangleMesh : public Shape {
   const TriangleMesh* mesh() const final { return this; }
   bool canSample() const final { return area_ > 0; }
   SurfaceInteraction interaction(const Ray& ray, const ShapeHit& hit) const final;
+  SurfaceInteraction interactionWithoutDerivatives(const Ray& ray, const ShapeHit& hit) const final;
   ShapeSample sampleArea(Vec2 u) const final;
 
  private:
@@ -56,7 +57,9 @@ class TriangleMesh : public Shape {
   std::array<Vec2, 3> triangleUvs(std::uint32_t triangle) const;
   Vec2 uvAt(std::uint32_t triangle, float u, float v) const;
   SurfaceDerivatives derivatives(std::uint32_t triangle, const Vec3& n) const;
-  void setShading(std::uint32_t triangle, const ShapeHit& hit, SurfaceInteraction& si) const;
+  Vec3 interpolated(const std::vector<Vec3>& values, const ShapeHit& hit) const;
+  Vec3 shadingNormal(const ShapeHit& hit, const Vec3& n) const;
+  void setShadingDerivatives(const ShapeHit& hit, SurfaceInteraction& si) const;
   double triangleArea(std::uint32_t triangle) const;
   void buildAreaCdf() const;
 

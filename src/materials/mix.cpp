@@ -50,6 +50,7 @@ class Mix final : public Material {
     return (isFirstSeen() ? first_.maxLobes() : 0) + (isSecondSeen() ? second_.maxLobes() : 0);
   }
   const FloatSlot* bumpMap() const override { return first_.bumpMap(); }
+  bool usesTangents() const override { return first_.usesTangents() || second_.usesTangents(); }
 
   void addLobes(const SurfaceInteraction& at, Bsdf& bsdf) const override {
     const Rgb amount = reflectanceAt(params_.amount, at);

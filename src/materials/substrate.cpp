@@ -32,6 +32,11 @@ class Substrate final : public Material {
   bool hasNonSpecular() const override { return true; }
   int maxLobes() const override { return 1; }
   const FloatSlot* bumpMap() const override { return orNull(params_.bumpmap); }
+  bool usesTangents() const override {
+    const FloatSlot &u = params_.uroughness, &v = params_.vroughness;
+    const bool isIsotropic = u.isConstant() && v.isConstant() && u.constant == v.constant;
+    return bumpMap() || !isIsotropic;
+  }
 
   void addLobes(const SurfaceInteraction& at, Bsdf& bsdf) const override {
     const AnisotropicDistribution facets(

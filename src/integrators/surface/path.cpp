@@ -74,8 +74,9 @@ Rgb Path::escaped(const Ray& ray, const Arrival& arrival) const {
 }
 
 Rgb Path::direct(const LitPoint& point, RenderContext& context) const {
-  const float uChoice = context.samples.get1D();
-  const Vec2 uLight = context.samples.get2D();
+  // Dimensions that the scene's lights do not need are not drawn.
+  const float uChoice = grid_.lights().size() > 1 ? context.samples.get1D() : 0.f;
+  const Vec2 uLight = grid_.hasHittableLights() ? context.samples.get2D() : Vec2(0);
   const auto choice = grid_.choose(point.at.p, uChoice);
   if (!choice) return {};
   const LitSample lit = sampleLight(point, *choice->light, uLight, kAllLobes, context);
