@@ -93,22 +93,34 @@ PlacesByTile sortPlaces(const std::vector<std::vector<Place>>& chunks, std::size
   return sorted;
 }
 
+/// Appends the places of the photons [begin, end).
+void findPlaces(const BeamTreeView& tree, const PhotonPositions& photons, std::size_t begin,
+                std::size_t end, PairLists& lists, std::vector<Place>& places) {
+  std::array<Vec3, kPhotonGroup> group;
+  for (; begin < end; begin += kPhotonGroup) {
+    const std::size_t n = std::min(kPhotonGroup, end - begin);
+    for (std::size_t i = 0; i < n; ++i) group[i] = photons[begin + i];
+    if (hasAvx2())
+      avx2::findTiles(tree, {group.data(), n}, lists);
+    else
+      generic::findTiles(tree, {group.data(), n}, lists);
+    for (const std::uint32_t pair : lists.now)
+      places.push_back({pair & generic::kNodeMask,
+                        static_cast<std::uint32_t>(begin + (pair >> generic::kNodeBits))});
+  }
+}
+
 /// The places of the photons [first, first + count).
 PlacesByTile placesOf(const BeamTreeView& tree, std::size_t tileCount,
                       const PhotonPositions& photons, std::size_t first, std::size_t count) {
   std::vector<std::vector<Place>> chunks(divideUp(count, static_cast<std::size_t>(kPhotonsAtOnce)));
   forEachChunk(static_cast<std::int64_t>(count), kPhotonsAtOnce,
                [&](std::int64_t begin, std::int64_t end, std::int64_t chunk) {
+                 PairLists lists;
                  auto& places = chunks[static_cast<std::size_t>(chunk)];
-                 std::vector<std::uint32_t> tiles(tileCount);
-                 for (std::int64_t i = begin; i < end; ++i) {
-                   const std::size_t photon = first + static_cast<std::size_t>(i);
-                   const std::size_t n =
-                       hasAvx2() ? avx2::findTiles(tree, photons[photon], tiles.data())
-                                 : generic::findTiles(tree, photons[photon], tiles.data());
-                   for (std::size_t k = 0; k < n; ++k)
-                     places.push_back({tiles[k], static_cast<std::uint32_t>(photon)});
-                 }
+                 places.reserve(static_cast<std::size_t>(2 * (end - begin)));
+                 findPlaces(tree, photons, first + static_cast<std::size_t>(begin),
+                            first + static_cast<std::size_t>(end), lists, places);
                });
   return sortPlaces(chunks, tileCount);
 }
@@ -202,7 +214,7 @@ void BeamQuadtree::buildLevels(std::vector<BeamFrustum> frusta) {
   for (std::size_t i = 0; i < levels_.size(); ++i) view_.levels[i] = levels_[i].data();
 }
 
-BeamQuadtree::BlockRange BeamQuadtree::blocksOf(std::size_t tile) const {
+BlockRange BeamQuadtree::blocksOf(std::size_t tile) const {
   const std::size_t cellCount = blockBegin_.size() - 1;
   const std::size_t cells = view_.tileLevel == 0 ? kLanes : kLanes * kLanes;
   return {blockBegin_[std::min(cellCount, tile * cells)],
@@ -212,10 +224,15 @@ BeamQuadtree::BlockRange BeamQuadtree::blocksOf(std::size_t tile) const {
 void BeamQuadtree::findPairs(const PhotonPositions& photons, Sink sink, void* context) const {
   forEachTile(photons, [&](std::size_t tile, std::span<const std::uint32_t> indices) {
     BeamPairBuffer found(sink, context);
-    if (hasAvx2())
-      avx2::findPairsInTile(view_, tile, photons, indices, found);
-    else
-      generic::findPairsInTile(view_, tile, photons, indices, found);
+    std::array<Vec3, kPhotonGroup> group;
+    for (; !indices.empty(); indices = indices.subspan(std::min(kPhotonGroup, indices.size()))) {
+      const auto some = indices.first(std::min(kPhotonGroup, indices.size()));
+      for (std::size_t i = 0; i < some.size(); ++i) group[i] = photons[some[i]];
+      if (hasAvx2())
+        avx2::findPairsInTile(view_, tile, {group.data(), some.size()}, some, found);
+      else
+        generic::findPairsInTile(view_, tile, {group.data(), some.size()}, some, found);
+    }
     found.flush();
   });
 }

@@ -27,6 +27,20 @@
 
 namespace brume {
 
+/// Blocks [begin, end).
+struct BlockRange {
+  std::uint32_t begin, end;
+};
+
+/// Photons that are searched for at once, and room for the cells of a tile that they may be in.
+inline constexpr std::size_t kPhotonGroup = 32;
+inline constexpr std::size_t kCellPairs = kPhotonGroup * kLanes * kLanes + kLanes;
+
+/// Two lists that take turns.
+struct PairLists {
+  std::vector<std::uint32_t> now, next;
+};
+
 /// What the kernels see.
 struct BeamTreeView {
   using Row = std::array<float, kLanes>;
@@ -65,10 +79,7 @@ class BeamQuadtree final : public BeamLookup {
 
   const BeamTreeView& view() const { return view_; }
   std::size_t tileCount() const { return levels_[view_.tileLevel].size(); }
-  /// Blocks [begin, end) of a tile; slot = 8 * block + lane.
-  struct BlockRange {
-    std::uint32_t begin, end;
-  };
+  /// The blocks of a tile; slot = 8 * block + lane.
   BlockRange blocksOf(std::size_t tile) const;
 
   /// Calls body(tile, indices) for tiles and the photons that may be inside their beams, tiles in

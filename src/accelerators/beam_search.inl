@@ -32,77 +32,81 @@ BRUME_KERNEL inline Lanes insideMask(const BeamTreeView::Block& block,
          lessMask(foot.d2, load(block.radius2));
 }
 
-/// Calls visitor.visit(block, index of the block, p) for the blocks of a tile that may contain p.
-template <class Visitor>
-BRUME_KERNEL inline void visitTile(const BeamTreeView& tree, std::size_t tile, const PhotonLanes& p,
-                                   Visitor& visitor) {
-  const auto visitCells = [&](std::size_t node) BRUME_KERNEL {
-    LaneMask mask = childrenWith(tree.levels[0][node], p);
-    for (; mask != 0; mask &= mask - 1) {
-      const std::size_t cell = node * kLanes + static_cast<std::size_t>(std::countr_zero(mask));
-      for (std::uint32_t b = tree.blockBegin[cell]; b < tree.blockBegin[cell + 1]; ++b)
-        visitor.visit(tree.blocks[b], b, p);
-    }
-  };
-  if (tree.tileLevel == 0) return visitCells(tile);
-  LaneMask mask = childrenWith(tree.levels[1][tile], p);
-  for (; mask != 0; mask &= mask - 1)
-    visitCells(tile * kLanes + static_cast<std::size_t>(std::countr_zero(mask)));
-}
+/// Searches go level by level for many photons at once, without a branch that depends on a test:
+/// what may contain what is a list of pairs, and each level turns one list into the next. A pair is
+/// photon << kNodeBits | node. Lists stand in the order of photons, then nodes.
+inline constexpr std::uint32_t kNodeBits = 26;
+inline constexpr std::uint32_t kNodeMask = (1u << kNodeBits) - 1;
 
-/// Writes the tiles that may contain p to `tiles`, which has room for all.
-BRUME_KERNEL inline std::size_t findTiles(const BeamTreeView& tree, const Vec3& position,
-                                          std::uint32_t* tiles) {
-  const PhotonLanes p(position);
-  struct Entry {
-    std::uint32_t level, node;
-  };
-  std::array<Entry, kLanes * BeamTreeView::kMaxLevels> stack;
-  std::size_t size = 0, count = 0;
-  stack[size++] = {tree.topLevel, 0};
-  while (size > 0) {
-    const auto [level, node] = stack[--size];
-    if (level == tree.tileLevel) {
-      tiles[count++] = node;
-      continue;
-    }
-    // The last child goes to the stack first: tiles are found in their order.
-    LaneMask mask = childrenWith(tree.levels[level][node], p);
-    while (mask != 0) {
-      const int last = std::bit_width(mask) - 1;
-      stack[size++] = {level - 1,
-                       node * static_cast<std::uint32_t>(kLanes) + static_cast<std::uint32_t>(last)};
-      mask &= ~(LaneMask{1} << last);
-    }
+/// Replaces nodes by their children that may contain the photon. Writes up to 8 pairs for each and 7
+/// words more; returns how many pairs.
+BRUME_KERNEL inline std::size_t expandPairs(const BeamTreeView::Node* nodes, const Vec3* photons,
+                                            std::span<const std::uint32_t> pairs,
+                                            std::uint32_t* to) {
+  std::size_t count = 0;
+  for (const std::uint32_t pair : pairs) {
+    const std::uint32_t photon = pair >> kNodeBits, node = pair & kNodeMask;
+    const LaneMask mask = childrenWith(nodes[node], PhotonLanes(photons[photon]));
+    const auto children = static_cast<std::uint32_t>(kLanes) * node;
+    compressIndices(photon << kNodeBits | children, mask, to + count);
+    count += static_cast<std::size_t>(std::popcount(mask));
   }
   return count;
 }
 
-/// Collects pairs.
-struct PairVisitor {
-  BeamPairBuffer& found;
-  std::uint32_t photon;
-
-  BRUME_KERNEL void visit(const BeamTreeView::Block& block, std::uint32_t b, const PhotonLanes& p) {
-    const BeamFoot<Lanes> foot = feetOn(block, p);
-    const LaneMask inside = bitsOf(insideMask(block, foot));
-    if (inside == 0) return;
-    const BeamPairBuffer::Room room = found.room(kLanes);
-    compressIndices(b * static_cast<std::uint32_t>(kLanes), inside, room.slots);
-    compress(foot.t, inside, room.t);
-    compress(foot.d2, inside, room.d2);
-    const auto n = static_cast<std::size_t>(std::popcount(inside));
-    std::fill_n(room.photons, n, photon);
-    found.keep(n);
+/// Pairs of photons of a group and the tiles that may contain them.
+BRUME_KERNEL inline void findTiles(const BeamTreeView& tree, std::span<const Vec3> photons,
+                                   PairLists& lists) {
+  lists.now.clear();
+  for (std::uint32_t i = 0; i < photons.size(); ++i) lists.now.push_back(i << kNodeBits);
+  for (std::uint32_t level = tree.topLevel; level > tree.tileLevel; --level) {
+    lists.next.resize(kLanes * (lists.now.size() + 1));
+    lists.next.resize(expandPairs(tree.levels[level], photons.data(), lists.now, lists.next.data()));
+    std::swap(lists.now, lists.next);
   }
-};
+}
 
+/// Pairs of photons of a group and the cells of a tile, counted from its first, that may contain
+/// them. `to` has room for all and 7 words more.
+BRUME_KERNEL inline std::size_t findCells(const BeamTreeView& tree, std::size_t tile,
+                                          std::span<const Vec3> photons, std::uint32_t* to) {
+  std::array<std::uint32_t, kPhotonGroup> all;
+  for (std::uint32_t i = 0; i < photons.size(); ++i) all[i] = i << kNodeBits;
+  const std::span<const std::uint32_t> tiles(all.data(), photons.size());
+  if (tree.tileLevel == 0) return expandPairs(tree.levels[0] + tile, photons.data(), tiles, to);
+  std::array<std::uint32_t, kLanes * (kPhotonGroup + 1)> nodes;
+  const std::size_t n = expandPairs(tree.levels[1] + tile, photons.data(), tiles, nodes.data());
+  return expandPairs(tree.levels[0] + kLanes * tile, photons.data(), {nodes.data(), n}, to);
+}
+
+/// The blocks of the cell of a pair.
+BRUME_KERNEL inline BlockRange blocksOfPair(const BeamTreeView& tree, std::size_t tile,
+                                            std::uint32_t pair) {
+  const std::size_t cellsOfTile = tree.tileLevel == 0 ? kLanes : kLanes * kLanes;
+  const std::uint32_t* begin = tree.blockBegin + cellsOfTile * tile + (pair & kNodeMask);
+  return {begin[0], begin[1]};
+}
+
+/// Collects the pairs of photons of a group and slots.
 BRUME_KERNEL inline void findPairsInTile(const BeamTreeView& tree, std::size_t tile,
-                                         const PhotonPositions& photons,
+                                         std::span<const Vec3> photons,
                                          std::span<const std::uint32_t> indices,
                                          BeamPairBuffer& found) {
-  for (const std::uint32_t i : indices) {
-    PairVisitor visitor{found, i};
-    visitTile(tree, tile, PhotonLanes(photons[i]), visitor);
+  std::array<std::uint32_t, kCellPairs> cells;
+  const std::size_t count = findCells(tree, tile, photons, cells.data());
+  for (const std::uint32_t pair : std::span(cells.data(), count)) {
+    const std::uint32_t photon = pair >> kNodeBits;
+    const PhotonLanes p(photons[photon]);
+    const BlockRange blocks = blocksOfPair(tree, tile, pair);
+    for (std::uint32_t b = blocks.begin; b < blocks.end; ++b) {
+      const BeamFoot<Lanes> foot = feetOn(tree.blocks[b], p);
+      const LaneMask inside = bitsOf(insideMask(tree.blocks[b], foot));
+      const BeamPairBuffer::Room room = found.room(kLanes);
+      compressIndices(b * static_cast<std::uint32_t>(kLanes), inside, room.slots);
+      compress(foot.t, inside, room.t);
+      compress(foot.d2, inside, room.d2);
+      std::fill_n(room.photons, kLanes, indices[photon]);
+      found.keep(static_cast<std::size_t>(std::popcount(inside)));
+    }
   }
 }

@@ -96,6 +96,12 @@ inline void compressIndices(std::uint32_t base, LaneMask mask, std::uint32_t* to
 }  // namespace lanes_generic
 
 #if BRUME_HAS_AVX2
+// Under the pragma GCC lays Lanes out as one register; without it copies go through memory in
+// parts.
+#if !defined(__clang__)
+#pragma GCC push_options
+#pragma GCC target("avx2,bmi,popcnt")
+#endif
 namespace lanes_avx2 {
 
 /// For each mask the lanes of its bits in order, as 8 bytes.
@@ -144,6 +150,9 @@ BRUME_AVX2 inline void compressIndices(std::uint32_t base, LaneMask mask, std::u
 }
 
 }  // namespace lanes_avx2
+#if !defined(__clang__)
+#pragma GCC pop_options
+#endif
 #endif
 
 }  // namespace brume

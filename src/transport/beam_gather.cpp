@@ -9,8 +9,6 @@
 namespace brume {
 namespace {
 
-using BlockRange = BeamQuadtree::BlockRange;
-
 /// Photons of a tile that are added in float before the sums go on in double: few enough that the
 /// rounding of a sum stays about 1e-6 of it.
 constexpr std::size_t kPhotonsInFloat = 4096;
@@ -27,34 +25,35 @@ struct alignas(32) BlockSums {
   }
 };
 
+/// A photon on its way through a tile.
+struct alignas(64) PhotonState {
+  Vec3 p, w;                   ///< w is turned for g < 0
+  float a, oneMinusA2;         ///< a = |g|: denominator of p: (1 - a)^2 + a |d + w|^2
+  std::array<float, 3> power;  ///< with the constant factor of p
+  float tKnown;                ///< where the transmittance is known
+  /// Of each channel: power times transmittance at t = tKnown - x is c0 + c1 x + c2 x^2 + c3 x^3.
+  std::array<std::array<float, 4>, 3> series;
+};
+
 /// What all photons of a tile share.
 struct TileGather {
+  std::size_t tile;
+  BlockRange blocks;
   std::array<float, 3> sigma_t;
-  bool isGray;   ///< sigma_t is the same in all channels
+  float sigmaMax;
+  float reach;   ///< optical depth by which a transmittance is continued
   float tStart;  ///< transmittance is counted from here on all beams of the tile...
   bool isWide;   ///< ...unless they start too far apart: then each from its own start
-  BlockRange blocks;
+  bool isGray;   ///< sigma_t is the same in all channels
   BlockSums* sums;
 };
+
+/// Optical depth x up to which 1 + x + x^2/2 + x^3/6 stands for e^x: relative error below 4e-8.
+constexpr float kSeriesReach = 0.03f;
 
 /// Number of optical depths between the starts of a tile's beams from which it is wide: below, no
 /// transmittance that matters underflows.
 constexpr float kWideDepth = 10;
-
-/// Takes in the tile's blocks [begin, end) and its medium.
-TileGather makeTileGather(const BeamTreeView& tree, BlockRange blocks, const Rgb& sigma_t,
-                          BlockSums* sums) {
-  float first = kInfinity, last = -kInfinity;
-  for (std::uint32_t b = blocks.begin; b < blocks.end; ++b)
-    for (const float t : tree.startsOf(b)) {
-      if (t == kInfinity) continue;  // no beam
-      first = std::min(first, t);
-      last = std::max(last, t);
-    }
-  const bool isGray = sigma_t.r == sigma_t.g && sigma_t.g == sigma_t.b;
-  const bool isWide = (last - first) * sigma_t.maxChannel() > kWideDepth;
-  return {{sigma_t.r, sigma_t.g, sigma_t.b}, isGray, first, isWide, blocks, sums};
-}
 
 namespace generic {
 using namespace lanes_generic;
@@ -76,36 +75,87 @@ using namespace lanes_avx2;
 namespace avx2 = generic;
 #endif
 
-void addTo(std::span<BeamSum> sums, const BlockSums& block, std::uint32_t b,
-           std::span<const std::uint32_t> sumOfSlot) {
+PhotonState stateOf(const BeamPhoton& photon) {
+  const float sign = photon.g < 0 ? -1.f : 1.f, a = sign * photon.g;
+  const float phase = kInv4Pi * (1.f - a) * (1.f + a);
+  return {photon.p,
+          sign * photon.w,
+          a,
+          sqr(1.f - a),
+          {photon.power.r * phase, photon.power.g * phase, photon.power.b * phase},
+          0,
+          {}};
+}
+
+TileGather makeTileGather(const BeamQuadtree& tree, std::size_t tile, const Rgb& sigma_t,
+                          std::vector<BlockSums>& sums) {
+  const BlockRange blocks = tree.blocksOf(tile);
+  sums.resize(blocks.end - blocks.begin);
+  float first = kInfinity, last = -kInfinity;
+  for (std::uint32_t b = blocks.begin; b < blocks.end; ++b)
+    for (const float t : tree.view().startsOf(b)) {
+      if (t == kInfinity) continue;  // no beam
+      first = std::min(first, t);
+      last = std::max(last, t);
+    }
+  TileGather gather{};
+  gather.tile = tile;
+  gather.blocks = blocks;
+  gather.sigma_t = {sigma_t.r, sigma_t.g, sigma_t.b};
+  gather.sigmaMax = sigma_t.maxChannel();
+  gather.tStart = first;
+  gather.isWide = (last - first) * gather.sigmaMax > kWideDepth;
+  gather.reach = gather.isWide ? -1.f : kSeriesReach;
+  gather.isGray = sigma_t.r == sigma_t.g && sigma_t.g == sigma_t.b;
+  gather.sums = sums.data();
+  return gather;
+}
+
+/// Adds photons to the sums of a tile, in groups.
+void gatherSome(const BeamQuadtree& tree, const TileGather& gather,
+                std::span<const BeamPhoton> photons, std::span<const std::uint32_t> indices) {
+  std::array<PhotonState, kPhotonGroup> group;
+  while (!indices.empty()) {
+    const std::size_t n = std::min(kPhotonGroup, indices.size());
+    for (std::size_t i = 0; i < n; ++i) group[i] = stateOf(photons[indices[i]]);
+    if (hasAvx2())
+      avx2::gatherGroup(tree.view(), gather, {group.data(), n});
+    else
+      generic::gatherGroup(tree.view(), gather, {group.data(), n});
+    indices = indices.subspan(n);
+  }
+}
+
+/// Adds the sums of a block, which are left at zero, to those of slots, or of what sumOfSlot names
+/// for each.
+void flush(const BeamQuadtree& tree, const TileGather& gather, std::uint32_t b,
+           std::span<BeamSum> sums, std::span<const std::uint32_t> sumOfSlot) {
+  BlockSums& block = gather.sums[b - gather.blocks.begin];
+  if (!block.isTouched()) return;
+  if (hasAvx2())
+    avx2::finishBlock(tree.view(), gather, b, block);
+  else
+    generic::finishBlock(tree.view(), gather, b, block);
   for (std::size_t i = 0; i < kLanes; ++i) {
     if (block.count[i] == 0) continue;
     const std::size_t slot = b * kLanes + i;
     sums[sumOfSlot.empty() ? slot : sumOfSlot[slot]] += BeamSum{
         double{block.L[0][i]}, double{block.L[1][i]}, double{block.L[2][i]}, block.count[i]};
   }
+  block = {};
 }
 
-/// Adds photons to the sums of slots, or of what sumOfSlot names for each.
 void gatherTile(const BeamQuadtree& tree, std::size_t tile, std::span<const BeamPhoton> photons,
                 std::span<const std::uint32_t> indices, const Rgb& sigma_t, std::span<BeamSum> sums,
                 std::span<const std::uint32_t> sumOfSlot) {
-  const BlockRange blocks = tree.blocksOf(tile);
-  std::vector<BlockSums> ofBlocks(blocks.end - blocks.begin);
-  const TileGather gather = makeTileGather(tree.view(), blocks, sigma_t, ofBlocks.data());
+  std::vector<BlockSums> ofBlocks;
+  const TileGather gather = makeTileGather(tree, tile, sigma_t, ofBlocks);
   while (!indices.empty()) {
     const auto some = indices.first(std::min(indices.size(), kPhotonsInFloat));
     indices = indices.subspan(some.size());
-    if (hasAvx2())
-      avx2::gatherInTile(tree.view(), tile, photons, some, gather);
-    else
-      generic::gatherInTile(tree.view(), tile, photons, some, gather);
-    for (std::uint32_t b = blocks.begin; b < blocks.end; ++b) {
-      BlockSums& block = ofBlocks[b - blocks.begin];
-      if (!block.isTouched()) continue;
-      addTo(sums, block, b, sumOfSlot);
-      block = {};
-    }
+    gatherSome(tree, gather, photons, some);
+    for (std::uint32_t b = gather.blocks.begin; b < gather.blocks.end; ++b)
+      flush(tree, gather, b, sums, sumOfSlot);
   }
 }
 

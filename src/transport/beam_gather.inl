@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Evaluation of photons in the beams of a tile, included once for each kind of Lanes (lanes.h), after
-// accelerators/beam_search.inl.
+// Evaluation of photons in the beams of a tile, included once for each kind of Lanes (lanes.h),
+// after accelerators/beam_search.inl.
 
 /// e^x with a relative error of 1e-7, for x <= 80; below -87 it is e^-87.
 BRUME_KERNEL inline Lanes expOf(const Lanes& x) {
@@ -9,162 +9,160 @@ BRUME_KERNEL inline Lanes expOf(const Lanes& x) {
   const Lanes shift = Lanes::all(0x1.8p23f);
   const Lanes shifted = bounded * Lanes::all(0x1.715476p0f) + shift;
   const Lanes n = shifted - shift;
-  const Lanes f =
-      bounded - n * Lanes::all(0x1.62e4p-1f) - n * Lanes::all(0x1.7f7d1cp-20f);
+  const Lanes f = bounded - n * Lanes::all(0x1.62e4p-1f) - n * Lanes::all(0x1.7f7d1cp-20f);
   Lanes sum = Lanes::all(1.f / 5040);
   for (const float c : {1.f / 720, 1.f / 120, 1.f / 24, 1.f / 6, 0.5f, 1.f, 1.f})
     sum = sum * f + Lanes::all(c);
   return scaleByBits(sum, shifted);
 }
 
-/// Adds one photon to the blocks of a tile. Neighbouring beams have it at nearly the same t: the
-/// transmittance is computed at one, and continued to the others by a short series.
-template <bool kIsotropic, bool kGray>
-struct GatherVisitor {
-  /// Largest |x| for which 1 + x + x^2/2 + x^3/6 stands for e^x: relative error below 4e-8.
-  static constexpr float kSeriesReach = 0.03f;
+/// K2 times the phase function, without their constant factors.
+template <bool kIsotropic>
+BRUME_KERNEL inline Lanes weightOf(const BeamTreeView::Block& block, const PhotonState& photon,
+                                   const Lanes& d2) {
+  const Lanes q = Lanes::all(1.f) - d2 * load(block.inverseRadius2);
+  if constexpr (kIsotropic) return q * q;
+  const Lanes ex = load(block.dx) + Lanes::all(photon.w.x);
+  const Lanes ey = load(block.dy) + Lanes::all(photon.w.y);
+  const Lanes ez = load(block.dz) + Lanes::all(photon.w.z);
+  const Lanes denominator =
+      Lanes::all(photon.oneMinusA2) + Lanes::all(photon.a) * (ex * ex + ey * ey + ez * ez);
+  return q * q / (denominator * sqrt(denominator));
+}
 
-  const BeamTreeView& tree;
-  const TileGather& tile;
-  float sigmaMax;
-  Lanes wx, wy, wz;         // turned for g < 0
-  Lanes a, oneMinusA2;      // a = |g|: denominator (1 - a)^2 + a |d + w|^2
-  std::array<float, 3> power;
-  float tKnown = kInfinity;  // where the transmittance is known
-  std::array<Lanes, 3> arriving;  // power times transmittance to tKnown
-
-  BRUME_KERNEL GatherVisitor(const BeamTreeView& tree_, const TileGather& tile_,
-                             const BeamPhoton& photon)
-      : tree(tree_), tile(tile_) {
-    const float s = photon.g < 0 ? -1.f : 1.f, absG = s * photon.g;
-    wx = Lanes::all(s * photon.w.x);
-    wy = Lanes::all(s * photon.w.y);
-    wz = Lanes::all(s * photon.w.z);
-    a = Lanes::all(absG);
-    oneMinusA2 = Lanes::all((1.f - absG) * (1.f - absG));
-    const float phase = kInv4Pi * (1.f - absG) * (1.f + absG);
-    power = {photon.power.r * phase, photon.power.g * phase, photon.power.b * phase};
-    sigmaMax = std::max({tile.sigma_t[0], tile.sigma_t[1], tile.sigma_t[2]});
-  }
-
-  BRUME_KERNEL void knowAt(float t) {
-    tKnown = t;
-    std::array<float, kLanes> depths{};
-    for (std::size_t c = 0; c < 3; ++c) depths[c] = -tile.sigma_t[c] * (t - tile.tStart);
-    expOf(Lanes::load(depths.data())).store(depths.data());
-    for (std::size_t c = 0; c < 3; ++c) arriving[c] = Lanes::all(power[c] * depths[c]);
-  }
-
-  /// K2 times the phase function, without their constant factors.
-  BRUME_KERNEL Lanes weightOf(const BeamTreeView::Block& block, const Lanes& d2) const {
-    const Lanes q = Lanes::all(1.f) - d2 * load(block.inverseRadius2);
-    if constexpr (kIsotropic) return q * q;
-    const Lanes ex = load(block.dx) + wx, ey = load(block.dy) + wy, ez = load(block.dz) + wz;
-    const Lanes denominator = oneMinusA2 + a * (ex * ex + ey * ey + ez * ez);
-    return q * q / (denominator * sqrt(denominator));
-  }
-
-  BRUME_KERNEL static Lanes series(const Lanes& x) {
-    const Lanes one = Lanes::all(1.f);
-    return one + x * (one + x * (Lanes::all(0.5f) + x * Lanes::all(1.f / 6)));
-  }
-
-  BRUME_KERNEL void visit(const BeamTreeView::Block& block, std::uint32_t b, const PhotonLanes& p) {
-    const BeamFoot<Lanes> foot = feetOn(block, p);
-    const Lanes mask = insideMask(block, foot);
-    const LaneMask inside = bitsOf(mask);
-    if (inside == 0) return;
-    BlockSums& sums = tile.sums[b - tile.blocks.begin];
-    countLanes(mask, sums.count.data());
-    const Lanes weight = weightOf(block, foot.d2) & mask;
-    if (tile.isWide) {
-      addFar(sums, weight, (foot.t - load(tree.startsOf(b))) & mask);
-      return;
-    }
-
-    // Where the series does not reach from what is known, start from a beam of this block.
-    const Lanes reach = Lanes::all(kSeriesReach);
-    for (bool again = false;; again = true) {
-      const Lanes x = (Lanes::all(tKnown) - foot.t) & mask;
-      const Lanes depth = x * Lanes::all(sigmaMax);
-      if (bitsOf(lessEqualMask(max(depth, Lanes::all(0.f) - depth), reach)) == 0xff) {
-        add(sums, weight, x);
-        return;
-      }
-      if (again) break;
-      knowAt(firstOf(foot.t, inside));
-    }
-    addFar(sums, weight, (foot.t - Lanes::all(tile.tStart)) & mask);
-  }
-
-  BRUME_KERNEL static float firstOf(const Lanes& values, LaneMask mask) {
-    std::array<float, kLanes> v;
-    values.store(v.data());
-    return v[static_cast<std::size_t>(std::countr_zero(mask))];
-  }
-
-  BRUME_KERNEL void add(BlockSums& sums, Lanes weight, const Lanes& x) const {
-    if constexpr (kGray) weight = weight * series(x * Lanes::all(tile.sigma_t[0]));
-    for (std::size_t c = 0; c < 3; ++c) {
-      Lanes L = weight * arriving[c];
-      if constexpr (!kGray) L = L * series(x * Lanes::all(tile.sigma_t[c]));
-      (Lanes::load(sums.L[c].data()) + L).store(sums.L[c].data());
-    }
-  }
-
-  /// With an exponential for each beam.
-  BRUME_KERNEL void addFar(BlockSums& sums, const Lanes& weight, const Lanes& way) const {
-    for (std::size_t c = 0; c < 3; ++c) {
-      const Lanes Tr = expOf(way * Lanes::all(-tile.sigma_t[c]));
-      const Lanes L = weight * Tr * Lanes::all(power[c]);
-      (Lanes::load(sums.L[c].data()) + L).store(sums.L[c].data());
-    }
-  }
-};
-
+/// With the transmittance known at a neighbour's t and continued by x = tKnown - t.
 template <bool kGray>
-BRUME_KERNEL inline void gatherPhotons(const BeamTreeView& tree, std::size_t tile,
-                                       std::span<const BeamPhoton> photons,
-                                       std::span<const std::uint32_t> indices,
-                                       const TileGather& gather) {
-  for (const std::uint32_t i : indices) {
-    const BeamPhoton& photon = photons[i];
-    const PhotonLanes p(photon.p);
-    if (photon.g == 0) {
-      GatherVisitor<true, kGray> visitor(tree, gather, photon);
-      visitTile(tree, tile, p, visitor);
-    } else {
-      GatherVisitor<false, kGray> visitor(tree, gather, photon);
-      visitTile(tree, tile, p, visitor);
+BRUME_KERNEL inline void addNear(const PhotonState& photon, const Lanes& weight, const Lanes& x,
+                                 BlockSums& sums) {
+  const auto seriesOf = [&](const std::array<float, 4>& c) BRUME_KERNEL {
+    return Lanes::all(c[0]) +
+           x * (Lanes::all(c[1]) + x * (Lanes::all(c[2]) + x * Lanes::all(c[3])));
+  };
+  Lanes w = weight;
+  if constexpr (kGray) w = w * seriesOf(photon.series[0]);
+  for (std::size_t c = 0; c < 3; ++c) {
+    const Lanes L = kGray ? w * Lanes::all(photon.power[c]) : w * seriesOf(photon.series[c]);
+    (Lanes::load(sums.L[c].data()) + L).store(sums.L[c].data());
+  }
+}
+
+/// With an exponential for each beam.
+BRUME_KERNEL inline void addFar(const TileGather& tile, const PhotonState& photon,
+                                const Lanes& weight, const Lanes& way, BlockSums& sums) {
+  for (std::size_t c = 0; c < 3; ++c) {
+    const Lanes Tr = expOf(way * Lanes::all(-tile.sigma_t[c]));
+    const Lanes L = weight * Tr * Lanes::all(photon.power[c]);
+    (Lanes::load(sums.L[c].data()) + L).store(sums.L[c].data());
+  }
+}
+
+/// Adds a photon to the beams of a block that it is inside of.
+template <bool kIsotropic, bool kGray>
+BRUME_KERNEL inline void addToBlock(const BeamTreeView& tree, const TileGather& tile,
+                                    const PhotonState& photon, std::uint32_t b) {
+  const BeamTreeView::Block& block = tree.blocks[b];
+  const BeamFoot<Lanes> foot = feetOn(block, PhotonLanes(photon.p));
+  const Lanes mask = insideMask(block, foot);
+  BlockSums& sums = tile.sums[b - tile.blocks.begin];
+  countLanes(mask, sums.count.data());
+  const Lanes weight = weightOf<kIsotropic>(block, photon, foot.d2) & mask;
+  // Neighbouring beams have the photon at nearly the same t.
+  const Lanes x = (Lanes::all(photon.tKnown) - foot.t) & mask;
+  const Lanes depth = x * Lanes::all(tile.sigmaMax);
+  const Lanes size = max(depth, Lanes::all(0.f) - depth);
+  if (bitsOf(lessEqualMask(size, Lanes::all(tile.reach))) == 0xff)
+    addNear<kGray>(photon, weight, x, sums);
+  else if (tile.isWide)
+    addFar(tile, photon, weight, (foot.t - load(tree.startsOf(b))) & mask, sums);
+  else
+    addFar(tile, photon, weight, (foot.t - Lanes::all(tile.tStart)) & mask, sums);
+}
+
+/// The t of each photon on one of the beams that may contain it; tStart for those without any.
+BRUME_KERNEL inline void findNearT(const BeamTreeView& tree, const TileGather& tile,
+                                   std::span<PhotonState> photons,
+                                   std::span<const std::uint32_t> pairs) {
+  for (PhotonState& photon : photons) photon.tKnown = tile.tStart;
+  std::uint32_t last = ~0u;
+  for (const std::uint32_t pair : pairs) {
+    if (pair >> kNodeBits == last) continue;
+    last = pair >> kNodeBits;
+    PhotonState& photon = photons[last];
+    const BeamTreeView::Block& block = tree.blocks[blocksOfPair(tree, tile.tile, pair).begin];
+    const auto foot = beamFoot<float>(block.ox[0], block.oy[0], block.oz[0], block.dx[0],
+                                      block.dy[0], block.dz[0], photon.p.x, photon.p.y, photon.p.z);
+    // Not before the start: the transmittance would grow there.
+    photon.tKnown = std::max(foot.t, tile.tStart);
+  }
+}
+
+/// Power times transmittance around tKnown.
+BRUME_KERNEL inline void findSeries(const TileGather& tile, std::span<PhotonState> photons) {
+  for (std::size_t first = 0; first < photons.size(); first += kLanes) {
+    const auto some = photons.subspan(first, std::min(kLanes, photons.size() - first));
+    std::array<float, kLanes> way{};
+    for (std::size_t i = 0; i < some.size(); ++i) way[i] = some[i].tKnown - tile.tStart;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const float sigma = tile.sigma_t[c];
+      std::array<float, kLanes> Tr;
+      expOf(Lanes::load(way.data()) * Lanes::all(-sigma)).store(Tr.data());
+      for (std::size_t i = 0; i < some.size(); ++i) {
+        const float c0 = tile.isGray ? Tr[i] : Tr[i] * some[i].power[c];
+        const float c1 = c0 * sigma, c2 = c1 * sigma * 0.5f, c3 = c2 * sigma * (1.f / 3);
+        some[i].series[c] = {c0, c1, c2, c3};
+      }
+      if (tile.isGray) break;
     }
   }
+}
+
+template <bool kIsotropic, bool kGray>
+BRUME_KERNEL inline void gatherCells(const BeamTreeView& tree, const TileGather& tile,
+                                     std::span<const PhotonState> photons,
+                                     std::span<const std::uint32_t> pairs) {
+  for (const std::uint32_t pair : pairs) {
+    const BlockRange blocks = blocksOfPair(tree, tile.tile, pair);
+    for (std::uint32_t b = blocks.begin; b < blocks.end; ++b)
+      addToBlock<kIsotropic, kGray>(tree, tile, photons[pair >> kNodeBits], b);
+  }
+}
+
+/// Adds a group of photons to the sums of a tile.
+BRUME_KERNEL inline void gatherGroup(const BeamTreeView& tree, const TileGather& tile,
+                                     std::span<PhotonState> photons) {
+  std::array<Vec3, kPhotonGroup> positions;
+  bool isIsotropic = true;
+  for (std::size_t i = 0; i < photons.size(); ++i) {
+    positions[i] = photons[i].p;
+    isIsotropic &= photons[i].a == 0;
+  }
+  std::array<std::uint32_t, kCellPairs> cells;
+  const std::size_t n =
+      findCells(tree, tile.tile, {positions.data(), photons.size()}, cells.data());
+  const std::span<const std::uint32_t> pairs(cells.data(), n);
+  findNearT(tree, tile, photons, pairs);
+  findSeries(tile, photons);
+  if (isIsotropic && tile.isGray)
+    gatherCells<true, true>(tree, tile, photons, pairs);
+  else if (isIsotropic)
+    gatherCells<true, false>(tree, tile, photons, pairs);
+  else if (tile.isGray)
+    gatherCells<false, true>(tree, tile, photons, pairs);
+  else
+    gatherCells<false, false>(tree, tile, photons, pairs);
 }
 
 /// The sums of a block in their unit: with the kernel's factor, and transmittance counted from each
 /// beam's start.
-BRUME_KERNEL inline void finishBlock(const BeamTreeView& tree, const TileGather& gather,
+BRUME_KERNEL inline void finishBlock(const BeamTreeView& tree, const TileGather& tile,
                                      std::uint32_t b, BlockSums& sums) {
   const Lanes peak = load(tree.blocks[b].inverseRadius2) * Lanes::all(3.f * kInvPi);
   for (std::size_t c = 0; c < 3; ++c) {
     Lanes L = Lanes::load(sums.L[c].data()) * peak;
-    if (!gather.isWide) {
-      const Lanes before = load(tree.startsOf(b)) - Lanes::all(gather.tStart);
-      L = L * expOf(before * Lanes::all(gather.sigma_t[c]));
+    if (!tile.isWide) {
+      const Lanes before = load(tree.startsOf(b)) - Lanes::all(tile.tStart);
+      L = L * expOf(before * Lanes::all(tile.sigma_t[c]));
     }
     L.store(sums.L[c].data());
   }
-}
-
-/// Adds the photons to gather.sums and finishes these.
-BRUME_KERNEL inline void gatherInTile(const BeamTreeView& tree, std::size_t tile,
-                                      std::span<const BeamPhoton> photons,
-                                      std::span<const std::uint32_t> indices,
-                                      const TileGather& gather) {
-  if (gather.isGray)
-    gatherPhotons<true>(tree, tile, photons, indices, gather);
-  else
-    gatherPhotons<false>(tree, tile, photons, indices, gather);
-  for (std::uint32_t b = gather.blocks.begin; b < gather.blocks.end; ++b)
-    if (gather.sums[b - gather.blocks.begin].isTouched()) 
-      finishBlock(tree, gather, b, gather.sums[b - gather.blocks.begin]);
 }

@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: Apache-2.0
+// Beam lookups: how fast, and how it grows.
+//
+//   brume_beams [report | splat | growth | all] [--json FILE]
+//
+//   report   512 x 512 beams, 10,000 photons: every lookup against the plain scan, beam by beam
+//   splat    512 x 512 beams, radius of 4 pixels: pairs per second beside a naive raster splat
+//   growth   beams, photons and radius, one at a time
+//
+// Processor time of one thread, the best of several runs: other programs disturb it little.
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include <ctime>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "accelerators/beam_quadtree.h"
+#include "core/parallel.h"
+#include "core/rng.h"
+#include "core/sampling.h"
+#include "transport/beam_gather.h"
+
+namespace {
+
+using namespace brume;
+
+constexpr float kNear = 2, kFar = 3;  // the medium along the rays
+constexpr float kG = 0.6f;
+const Rgb kSigmaT(0.4f, 0.5f, 0.6f);
+
+double processorSeconds() {
+  timespec t{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+/// The shortest of up to `runs` runs; stops after about two seconds.
+double bestOf(int runs, const std::function<void()>& run) {
+  double best = 1e30, sum = 0;
+  for (int i = 0; i < runs && (i == 0 || sum + best < 2); ++i) {
+    const double begin = processorSeconds();
+    run();
+    const double seconds = processorSeconds() - begin;
+    best = std::min(best, seconds);
+    sum += seconds;
+  }
+  return best;
+}
+
+/// A square image; pixel (x, y) looks along (2 x / size - 1, 2 y / size - 1, 1).
+struct View {
+  int size = 512;
+  Vec3 direction(float x, float y) const {
+    const float scale = 2.f / static_cast<float>(size);
+    return normalize(Vec3(scale * x - 1, scale * y - 1, 1));
+  }
+  /// So that a photon covers about as many pixels as a disc of this radius.
+  float radiusOf(float pixels) const {
+    return pixels * 0.5f * (kNear + kFar) * 2.f / static_cast<float>(size) * 0.66f;
+  }
+};
+
+std::vector<Beam> makeBeams(const View& view, float radius, bool jitter) {
+  std::vector<Beam> beams;
+  Rng rng(1);
+  for (int y = 0; y < view.size; ++y)
+    for (int x = 0; x < view.size; ++x) {
+      const Vec2 u = jitter ? rng.uniform2() : Vec2(0.5f);
+      const Vec3 d = view.direction(static_cast<float>(x) + u.x, static_cast<float>(y) + u.y);
+      beams.push_back({Vec3(0), kNear, d, kFar, radius,
+                       static_cast<std::uint32_t>(y) * static_cast<std::uint32_t>(view.size) +
+                           static_cast<std::uint32_t>(x)});
+    }
+  return beams;
+}
+
+/// Uniform over image and depth, in Morton order over the image.
+std::vector<BeamPhoton> makePhotons(std::size_t count, bool sorted) {
+  std::vector<BeamPhoton> photons(count);
+  Rng rng(2);
+  for (BeamPhoton& photon : photons) {
+    const Vec2 u = rng.uniform2();
+    const float t = lerp(kNear, kFar, rng.uniform());
+    photon.p = t * normalize(Vec3(2 * u.x - 1, 2 * u.y - 1, 1));
+    photon.w = sampleUniformSphere(rng.uniform2());
+    photon.power = Rgb(1, 0.8f, 0.6f);
+    photon.g = kG;
+  }
+  if (!sorted) return photons;
+  const auto key = [](const BeamPhoton& photon) {
+    const auto cell = [](float v) { return static_cast<std::uint32_t>((v + 1.01f) * 1000); };
+    return mortonIndex(cell(photon.p.x / photon.p.z), cell(photon.p.y / photon.p.z), 11, 11);
+  };
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> order;
+  for (std::uint32_t i = 0; i < count; ++i) order.emplace_back(key(photons[i]), i);
+  std::sort(order.begin(), order.end());
+  std::vector<BeamPhoton> result;
+  for (const auto& [k, i] : order) result.push_back(photons[i]);
+  return result;
+}
+
+/// The splat that anyone would write first: for each photon the rectangle of pixels it may touch,
+/// row by row; fixed beams through pixel centres, one transmittance per photon.
+struct Splat {
+  int size;
+  float radius;
+  std::vector<float> dx, dy, dz, r, g, b;
+
+  Splat(const View& view, float radius_) : size(view.size), radius(radius_) {
+    for (int y = 0; y < size; ++y)
+      for (int x = 0; x < size; ++x) {
+        const Vec3 d = view.direction(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f);
+        dx.push_back(d.x);
+        dy.push_back(d.y);
+        dz.push_back(d.z);
+      }
+    for (auto* channel : {&dx, &dy, &dz}) channel->resize(channel->size() + 8);
+    for (auto* channel : {&r, &g, &b}) channel->assign(dx.size(), 0);
+  }
+
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
+  __attribute__((target("avx2,fma"), optimize("O3,fast-math")))
+#endif
+  void
+  add(const BeamPhoton& photon) {
+    const Vec3 p = photon.p;
+    const float scale = 0.5f * static_cast<float>(size) / p.z;
+    const float cx = (p.x + p.z) * scale, cy = (p.y + p.z) * scale;
+    const float reach = radius * scale * 1.8f;  // enough at the corners of this view
+    const int x0 = std::max(0, static_cast<int>(cx - reach)),
+              x1 = std::min(size, static_cast<int>(cx + reach) + 1);
+    const int y0 = std::max(0, static_cast<int>(cy - reach)),
+              y1 = std::min(size, static_cast<int>(cy + reach) + 1);
+    const float p2 = dot(p, p), r2 = radius * radius, invR2 = 1 / r2;
+    const float way = std::sqrt(p2) - kNear;
+    const float phase = kInv4Pi * (1 - kG * kG) * 3 * kInvPi * invR2;
+    const float pr = photon.power.r * phase * std::exp(-kSigmaT.r * way),
+                pg = photon.power.g * phase * std::exp(-kSigmaT.g * way),
+                pb = photon.power.b * phase * std::exp(-kSigmaT.b * way);
+    const float wx = photon.w.x, wy = photon.w.y, wz = photon.w.z;
+    const float *ddx = dx.data(), *ddy = dy.data(), *ddz = dz.data();
+    float* __restrict rr = r.data(), * __restrict gg = g.data(), * __restrict bb = b.data();
+    // Whole vectors: pixels too many cost less than a rest of the loop.
+    const int width = (x1 - x0 + 7) / 8 * 8;
+    for (int y = y0; y < y1; ++y)
+#pragma GCC ivdep
+      for (int i = y * size + x0; i < y * size + x0 + width; ++i) {
+        const float t = p.x * ddx[i] + p.y * ddy[i] + p.z * ddz[i];
+        const float d2 = p2 - t * t;
+        const float q = 1 - d2 * invR2;
+        const float den = 1 + kG * kG + 2 * kG * (wx * ddx[i] + wy * ddy[i] + wz * ddz[i]);
+        const float f = q * q / (den * __builtin_sqrtf(den));
+        const float weight = (t >= kNear) & (t <= kFar) & (d2 < r2) ? f : 0.f;
+        rr[i] += weight * pr;
+        gg[i] += weight * pg;
+        bb[i] += weight * pb;
+      }
+  }
+};
+
+std::uint64_t countOf(const std::vector<BeamSum>& sums) {
+  std::uint64_t n = 0;
+  for (const BeamSum& sum : sums) n += sum.count;
+  return n;
+}
+double totalOf(const std::vector<BeamSum>& sums) {
+  double total = 0;
+  for (const BeamSum& sum : sums) total += sum.g;
+  return total;
+}
+
+void printRate(const std::string& name, double seconds, std::size_t photons, std::uint64_t pairs) {
+  fmt::print("| {} | {:.2f} | {:.2f} | {:.0f} | {:.2f} |\n", name, 1e3 * seconds,
+             1e-6 * static_cast<double>(photons) / seconds,
+             1e-6 * static_cast<double>(pairs) / seconds,
+             1e9 * seconds / static_cast<double>(pairs));
+}
+
+void splat() {
+  const View view;
+  const float radius = view.radiusOf(4);
+  const std::size_t count = 40000;
+  const auto sorted = makePhotons(count, true), unsorted = makePhotons(count, false);
+  fmt::print("| lookup | ms | M photons/s | M pairs/s | ns/pair |\n|---|---|---|---|---|\n");
+
+  std::vector<Beam> beams = makeBeams(view, radius, true);
+  double build = 0;
+  const BeamQuadtree tree(beams, {view.size, view.size});
+  build = bestOf(40, [&] { BeamQuadtree(beams, {view.size, view.size}); });
+  std::vector<BeamSum> sums(beams.size());
+  const auto gather = [&](const BeamQuadtree& t, const std::vector<BeamPhoton>& photons) {
+    std::fill(sums.begin(), sums.end(), BeamSum{});
+    gatherHomogeneous(t, photons, kSigmaT, sums);
+  };
+
+  for (const auto* photons : {&sorted, &unsorted}) {
+    const char* order = photons == &sorted ? "sorted" : "unsorted";
+    Splat naive(view, radius);
+    const double s = bestOf(40, [&] {
+      for (auto* channel : {&naive.r, &naive.g, &naive.b})
+        std::fill(channel->begin(), channel->end(), 0.f);
+      for (const BeamPhoton& photon : *photons) naive.add(photon);
+    });
+    double total = 0;
+    for (const float v : naive.g) total += double{v};
+    const double q = bestOf(40, [&] { gather(tree, *photons); });
+    printRate(fmt::format("naive splat, {}", order), s, count, countOf(sums));
+    printRate(fmt::format("quadtree, {}", order), q, count, countOf(sums));
+    fmt::print("<!-- sums {:.6g} {:.6g} -->\n", total, totalOf(sums));
+  }
+  struct Sum {
+    float r = 0, g = 0, b = 0;
+    Sum& operator+=(const Sum& o) {
+      r += o.r;
+      g += o.g;
+      b += o.b;
+      return *this;
+    }
+  };
+  const auto general = [&](const BeamQuadtree& t) {
+    std::vector<Sum> perBeam(beams.size());
+    t.accumulate(PhotonPositions(std::span(sorted), &BeamPhoton::p), std::span(perBeam),
+                 [&](Sum& sum, std::uint32_t b, std::uint32_t i, const BeamFoot<float>& foot) {
+                   const BeamPhoton& photon = sorted[i];
+                   const Beam& beam = beams[b];
+                   const float q = 1 - foot.d2 / sqr(beam.radius);
+                   const float den = 1 + kG * kG + 2 * kG * dot(photon.w, beam.d);
+                   const float w = q * q / (den * std::sqrt(den));
+                   sum.r += w * photon.power.r;
+                   sum.g += w * photon.power.g;
+                   sum.b += w * photon.power.b;
+                 });
+  };
+  gather(tree, sorted);
+  const std::uint64_t pairs = countOf(sums);
+  printRate("quadtree, callback", bestOf(40, [&] { general(tree); }), count, pairs);
+  const BeamQuadtree space = BeamQuadtree::inSpace(beams);
+  printRate("in space", bestOf(40, [&] { gather(space, sorted); }), count, pairs);
+  printRate("in space, callback", bestOf(40, [&] { general(space); }), count, pairs);
+  fmt::print("build: {:.2f} ms; in space: {:.2f} ms; memory {:.1f} and {:.1f} MB\n", 1e3 * build,
+             1e3 * bestOf(40, [&] { BeamQuadtree::inSpace(beams); }),
+             1e-6 * static_cast<double>(tree.memoryBytes()),
+             1e-6 * static_cast<double>(space.memoryBytes()));
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  setThreadCount(1);
+  const std::string what = argc > 1 ? argv[1] : "all";
+  if (what == "splat" || what == "all") splat();
+}
