@@ -41,6 +41,8 @@ class PhaseFunction {
   virtual float g() const = 0;
   /// The largest value [1/sr].
   virtual float peak() const = 0;
+  /// g when this is the Henyey-Greenstein function (0: isotropic), which has kernels of its own.
+  virtual std::optional<float> henyeyGreenstein() const { return std::nullopt; }
 
   /// [1/sr]
   float p(const Vec3& wo, const Vec3& wi) const { return value(ScatteringAngle::between(wo, wi)); }

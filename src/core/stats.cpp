@@ -29,6 +29,8 @@ std::string_view statName(Stat stat) {
       return "Photons/path segments";
     case Stat::PhotonsStored:
       return "Photons/stored";
+    case Stat::PhotonBeamPairs:
+      return "Photons/in beams";
     case Stat::NanRadiance:
       return "Faults/NaN radiance";
     case Stat::InfiniteRadiance:

@@ -25,6 +25,7 @@ enum class Stat {
   PhotonPaths,
   PhotonSegments,
   PhotonsStored,
+  PhotonBeamPairs,
   NanRadiance,
   InfiniteRadiance,
   NegativeRadiance,

@@ -62,6 +62,12 @@ struct MediumPiece {
   double integral(double a, double b) const;
 };
 
+/// A medium that is the same everywhere inside its volume, with a Henyey-Greenstein phase function.
+struct UniformMedium {
+  MediumCoefficients coefficients;
+  float g = 0;  ///< 0: isotropic
+};
+
 /// A participating medium in a region of render space. Immutable and thread-safe. Everything that
 /// can be computed exactly is. Rays are parametrised by t with a normalised direction, so t is a
 /// length; intervals must lie inside the ray, they may reach beyond the medium.
@@ -105,6 +111,8 @@ class Volume {
   virtual bool isClosedForm() const = 0;
   virtual bool isEmissive() const = 0;
   virtual bool isScattering() const = 0;
+  /// Set for media that special kernels can take.
+  virtual std::optional<UniformMedium> uniform() const { return std::nullopt; }
 
   /// Phase function at p for each channel [1/sr]. Where volumes overlap it is the mean weighted by
   /// the channel's sigma_s, so that sigma_s * phase is the sum of what each of them scatters. Each

@@ -3,6 +3,12 @@
 
 namespace brume {
 
+Rgb albedoOf(const MediumCoefficients& c) {
+  const Rgb t = c.sigma_t();
+  return {t.r > 0 ? c.sigma_s.r / t.r : 0, t.g > 0 ? c.sigma_s.g / t.g : 0,
+          t.b > 0 ? c.sigma_s.b / t.b : 0};
+}
+
 Rgb flightChannels(const Rgb& power) {
   const Rgb share(std::abs(power.r), std::abs(power.g), std::abs(power.b));
   return share / (share.r + share.g + share.b);

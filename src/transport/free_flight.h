@@ -6,6 +6,9 @@
 
 namespace brume {
 
+/// sigma_s / sigma_t per channel, 0 where nothing collides.
+Rgb albedoOf(const MediumCoefficients& c);
+
 /// A free flight along a stretch of a ray: it ends in a collision, or leaves the stretch.
 struct FreeFlight {
   std::optional<float> t;  ///< of the collision; none: the stretch is left behind

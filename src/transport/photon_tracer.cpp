@@ -53,12 +53,6 @@ float largest(const Rgb& power) {
   return std::max(std::abs(power.r), std::max(std::abs(power.g), std::abs(power.b)));
 }
 
-Rgb albedoOf(const MediumCoefficients& c) {
-  const Rgb t = c.sigma_t();
-  return {t.r > 0 ? c.sigma_s.r / t.r : 0, t.g > 0 ? c.sigma_s.g / t.g : 0,
-          t.b > 0 ? c.sigma_s.b / t.b : 0};
-}
-
 }  // namespace
 
 struct PhotonTracer::Path {

@@ -54,11 +54,17 @@ class BoxVolume : public Volume {
     return {s.wi, Rgb(s.value), s.pdf};
   }
   float phasePeak() const final { return phase_->peak(); }
+  std::optional<UniformMedium> uniform() const final {
+    const auto g = phase_->henyeyGreenstein();
+    return isConstant() && g ? std::optional(UniformMedium{unit_, *g}) : std::nullopt;
+  }
 
  protected:
   // All in volume space; points and intervals lie inside the box.
   virtual double density(const Vec3d& p) const = 0;
   virtual double maxDensity() const = 0;
+  /// Whether the density is 1 in all of the box.
+  virtual bool isConstant() const { return false; }
   virtual double integral(const LocalRay& ray, IntervalD range) const = 0;
   /// The t with Int_range.t0^t density = target > 0; none when the range holds less.
   virtual std::optional<double> invert(const LocalRay& ray, IntervalD range,

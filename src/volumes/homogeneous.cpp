@@ -17,6 +17,7 @@ class Homogeneous final : public BoxVolume {
  protected:
   double density(const Vec3d&) const override { return 1; }
   double maxDensity() const override { return 1; }
+  bool isConstant() const override { return true; }
   double integral(const LocalRay&, IntervalD range) const override { return range.t1 - range.t0; }
   std::optional<double> invert(const LocalRay&, IntervalD range, double target) const override {
     if (target > range.t1 - range.t0) return std::nullopt;

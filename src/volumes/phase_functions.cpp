@@ -13,6 +13,7 @@ class IsotropicPhase final : public PhaseFunction {
  public:
   float value(const ScatteringAngle&) const override { return kInv4Pi; }
   ScatteringAngle sampleAngle(float, float u) const override { return {2.f * (1.f - u), 2.f * u}; }
+  std::optional<float> henyeyGreenstein() const override { return 0.f; }
   float g() const override { return 0; }
   float peak() const override { return kInv4Pi; }
 };
@@ -50,6 +51,7 @@ class HenyeyGreensteinPhase final : public PhaseFunction {
     return {static_cast<float>(2 * sqr((1 - g) / q) * (1 - double{u}) * (1 + g * u)),
             static_cast<float>(2 * sqr((1 + g) / q) * u * (1 - g * (1 - double{u})))};
   }
+  std::optional<float> henyeyGreenstein() const override { return g_; }
   float g() const override { return g_; }
   float peak() const override {
     const float a = std::abs(g_);

@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <memory>
+
+#include "accelerators/beam_quadtree.h"
+#include "core/log.h"
+#include "core/plan.h"
+#include "core/registry.h"
+#include "transport/beam_radiance.h"
+#include "transport/camera_beams.h"
+#include "transport/first_radius.h"
+#include "transport/photon_tracer.h"
+#include "transport/radius_schedule.h"
+#include "transport/surface_photon_map.h"
+
+namespace brume {
+namespace {
+
+enum class Lookup { Quadtree, Linear };
+
+Rgb toRgb(const BeamSum& sum) {
+  return {static_cast<float>(sum.r), static_cast<float>(sum.g), static_cast<float>(sum.b)};
+}
+
+/// Progressive volume photon mapping: pass after pass, every camera ray is a beam that gathers the
+/// photons inside it, photons are forgotten, and the radii shrink.
+///   Lv(o,w) ~= 1/n sum_{j=1}^n sum_{i: d_i < r_j} Tr(0,t_i) albedo(x_i) f_p alpha_i K2(d_i; r_j)
+///                                                                          [W m^-2 sr^-1]
+///   t_i distance of photon i's foot along the beam, d_i its distance from it, alpha_i power [W],
+///   K2 kernel [length^-2], f_p phase function [sr^-1], r_{j+1}^2 = r_j^2 (j + alpha) / (j + 1)
+/// Surfaces: direct light by sampling; caustics and indirect light by the photons of the pass
+/// around the visible point, with a radius of the same schedule. Beams go on through mirrors and
+/// glass. Unscattered light in media is sampled (directvolume), or left to photons. Deposit rule:
+/// at every collision, before the albedo (applied to the photons of a pass, nowhere else). Bias
+/// O(r^2) and variance O(1/r^2) per pass; both vanish with the number of passes. Memory: beams and
+/// photons of one pass. Sources: Knaus, Zwicker 2011; Jarosz, Zwicker, Jensen 2008. Test:
+/// pvpm_test.
+class Pvpm final : public PassGlobalIntegrator {
+ public:
+  struct Params {
+    int passes = 64;
+    int photonsperpass = 200'000;
+    std::optional<float> radius, surfaceradius;
+    float alpha = 2.f / 3;
+    Lookup lookup = Lookup::Quadtree;
+    bool fixedbeams = false;
+    bool directvolume = true;
+    int maxbounces = 16;
+    std::optional<int> maxdepth;
+
+    void visit(ParamVisitor& v) {
+      v(passes, "passes", kPositiveInt, Unit::None,
+        "passes, when neither --passes nor --time nor --error says");
+      v(photonsperpass, "photonsperpass", Range<int>{1, 1 << 30}, Unit::None,
+        "light paths of a pass");
+      v(radius, "radius", kPositive, Unit::Length,
+        "of the beams in the first pass; by default so that a beam meets some 10 photons");
+      v(surfaceradius, "surfaceradius", kPositive, Unit::Length,
+        "on surfaces in the first pass; by default so that a point meets some 10 photons");
+      v(alpha, "alpha", Range<float>{0.01f, 1.f}, Unit::None,
+        "how slowly radii shrink, see above; 1: not at all");
+      v(lookup, "lookup", {{"quadtree", Lookup::Quadtree}, {"linear", Lookup::Linear}},
+        "how photons find their beams; the image does not depend on it");
+      v(fixedbeams, "fixedbeams", "beams through the pixels' centres instead of jittered ones");
+      v(directvolume, "directvolume",
+        "sample unscattered light in media instead of leaving it to photons");
+      v(maxbounces, "maxbounces", Range<int>{0, 1000}, Unit::None,
+        "most specular bounces of a camera path");
+      v(maxdepth, "maxdepth", kNonNegativeInt, Unit::None,
+        "most scatterings of a light path; unlimited when not given");
+    }
+  };
+
+  Pvpm(Params params, const FactoryContext& context)
+      : params_(params),
+        scene_(*context.scene),
+        wanted_(wantedPhotons()),
+        paths_(scene_, {params.maxbounces, true, params.directvolume}) {}
+
+  void prepare(PrepareContext& context) override {
+    tracer_ = std::make_unique<PhotonTracer>(
+        scene_, PhotonRequest{wanted_, context.shutter, params_.maxdepth});
+    if (!tracer_->hasLights()) wanted_ = {};
+    chooseRadii(context);
+  }
+  std::int64_t defaultPasses() const override { return params_.passes; }
+  bool renderPass(const PassContext& context,
+                  const std::function<void(double share)>& onShare) override;
+
+ private:
+  PhotonClasses wantedPhotons() const;
+  void chooseRadii(PrepareContext& context);
+  PhotonSet tracePhotons(std::uint64_t seed, std::uint64_t pass, int paths,
+                         const std::atomic<bool>& stop, Stats& stats) const;
+  void gather(const OwnedBeams& beams, const VolumePhotons& photons, const BeamLookup& lookup,
+              CameraBeams& to, Stats& stats) const;
+  std::unique_ptr<BeamLookup> makeLookup(const OwnedBeams& beams, const Bounds2i* image) const;
+
+  Params params_;
+  const Scene& scene_;
+  PhotonClasses wanted_;
+  CameraPaths paths_;
+  std::unique_ptr<PhotonTracer> tracer_;
+  std::optional<RadiusSchedule> beamRadius_, surfaceRadius_;
+};
+
+/// The classes that this scene can show.
+PhotonClasses Pvpm::wantedPhotons() const {
+  const SceneInventory inventory = takeInventory(scene_);
+  const bool hasSpecular = inventory.specularMaterials > 0;
+  bool hasDiffuse = false;
+  for (const auto& material : scene_.contents().materials)
+    hasDiffuse = hasDiffuse || material->hasNonSpecular();
+  PhotonClasses wanted;
+  if (inventory.mediaScatter) {
+    wanted = wanted | PhotonClass::VolumeMultiple;
+    if (hasSpecular) wanted = wanted | PhotonClass::VolumeCaustic;
+    if (!params_.directvolume) wanted = wanted | PhotonClass::VolumeUnscattered;
+  }
+  if (hasDiffuse && inventory.meshes + inventory.quadrics > 0) {
+    wanted = wanted | PhotonClass::SurfaceIndirect;
+    if (hasSpecular) wanted = wanted | PhotonClass::SurfaceCaustic;
+  }
+  return wanted;
+}
+
+PhotonSet Pvpm::tracePhotons(std::uint64_t seed, std::uint64_t pass, int count,
+                             const std::atomic<bool>& stop, Stats& stats) const {
+  PathsPerClass paths{};
+  for (std::size_t c = 0; c < kPhotonClasses; ++c)
+    if (wanted_.contains(static_cast<PhotonClass>(c))) paths[c] = static_cast<std::uint64_t>(count);
+  return tracer_->trace(seed, pass, paths, stop, stats);
+}
+
+/// Radii that were not given, from a pilot pass of photons with random numbers of its own.
+void Pvpm::chooseRadii(PrepareContext& context) {
+  constexpr std::uint64_t kPilotPass = ~std::uint64_t{0};
+  constexpr int kPilotPaths = 20'000;
+  if (wanted_.isEmpty()) return;
+  const int paths = std::min(kPilotPaths, params_.photonsperpass);
+  const PhotonSet pilot =
+      tracePhotons(context.seed, kPilotPass, paths, context.stop, context.stats);
+  if (!pilot.isComplete) return;
+  const double perPass = double(params_.photonsperpass) / paths;
+  if (!(wanted_ & kVolumePhotons).isEmpty()) {
+    const double r = params_.radius ? double{*params_.radius}
+                                    : firstBeamRadius(pilot.photons, *scene_.volume(), perPass);
+    beamRadius_.emplace(r, params_.alpha);
+    context.log.verbose("pvpm: the beams' first radius is " + std::to_string(r));
+  }
+  if (!(wanted_ & kSurfacePhotons).isEmpty()) {
+    const double r = params_.surfaceradius ? double{*params_.surfaceradius}
+                                           : firstSurfaceRadius(pilot.photons, scene_, perPass);
+    surfaceRadius_.emplace(r, params_.alpha);
+    context.log.verbose("pvpm: the first radius on surfaces is " + std::to_string(r));
+  }
+}
+
+/// `image`: beams straight from the camera; none: beams from anywhere.
+std::unique_ptr<BeamLookup> Pvpm::makeLookup(const OwnedBeams& beams, const Bounds2i* image) const {
+  if (params_.lookup == Lookup::Linear) return std::make_unique<LinearBeams>(beams.beams);
+  if (image)
+    return std::make_unique<BeamQuadtree>(beams.beams, Vec2i(image->width(), image->height()));
+  return std::make_unique<BeamQuadtree>(BeamQuadtree::inSpace(beams.beams));
+}
+
+/// Adds the radiance that the beams gather to their samples.
+void Pvpm::gather(const OwnedBeams& beams, const VolumePhotons& photons, const BeamLookup& lookup,
+                  CameraBeams& to, Stats& stats) const {
+  const std::vector<BeamSum> sums = gatherBeams(*scene_.volume(), beams, lookup, photons);
+  for (std::size_t i = 0; i < sums.size(); ++i) {
+    const BeamOwner& owner = beams.owners[i];
+    stats.add(Stat::PhotonBeamPairs, sums[i].count);
+    to.samples[owner.sample].L += owner.weight * stats.checkRadiance(toRgb(sums[i]));
+  }
+}
+
+bool Pvpm::renderPass(const PassContext& context, const std::function<void(double)>& onShare) {
+  // Photons first, so that visible points gather them at once and need not be kept.
+  const PhotonSet photons = tracePhotons(context.seed, static_cast<std::uint64_t>(context.pass),
+                                         params_.photonsperpass, context.stop, context.stats);
+  if (!photons.isComplete) return false;
+  onShare(0.3);
+
+  CameraBeamOptions options;
+  options.throughCentres = params_.fixedbeams;
+  std::optional<SurfacePhotonMap> surface;
+  if (surfaceRadius_) {
+    surface.emplace(photons.photons);
+    options.surface = &*surface;
+    options.surfaceRadius = static_cast<float>(std::sqrt(surfaceRadius_->radius2()));
+    surfaceRadius_->advance();
+  }
+  if (beamRadius_) {
+    options.beamRadius = static_cast<float>(std::sqrt(beamRadius_->radius2()));
+    beamRadius_->advance();
+  }
+  CameraBeams camera = traceCameraBeams(context, paths_, options);
+  if (camera.samples.empty()) return false;
+  onShare(0.6);
+
+  if (beamRadius_) {
+    const VolumePhotons inMedium(*scene_.volume(), photons.photons);
+    if (!camera.primary.beams.empty())
+      gather(camera.primary, inMedium, *makeLookup(camera.primary, &camera.pixels), camera,
+             context.stats);
+    if (!camera.secondary.beams.empty())
+      gather(camera.secondary, inMedium, *makeLookup(camera.secondary, nullptr), camera,
+             context.stats);
+    if (context.stop.load(std::memory_order_relaxed)) return false;
+  }
+  addToFilm(camera, context.film);
+  return true;
+}
+
+const RegisterPlugin<GlobalIntegrator, Pvpm> kRegistration{
+    "pvpm", Origin::Brume,
+    "progressive volume photon mapping: any number of photons in constant memory"};
+
+}  // namespace
+}  // namespace brume

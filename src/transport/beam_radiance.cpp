@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "transport/beam_radiance.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <memory>
+
+#include "accelerators/beam_quadtree.h"
+#include "core/medium_along_ray.h"
+#include "transport/free_flight.h"
+#include "transport/kernels.h"
+
+namespace brume {
+namespace {
+
+/// 10 bits of each coordinate, interleaved.
+std::uint32_t mortonCode(const Vec3& unit) {
+  const auto spread = [](float v) {
+    auto x = static_cast<std::uint32_t>(std::clamp(v, 0.f, 1.f) * 1023.f);
+    x = (x | x << 16) & 0x030000ffu;
+    x = (x | x << 8) & 0x0300f00fu;
+    x = (x | x << 4) & 0x030c30c3u;
+    return (x | x << 2) & 0x09249249u;
+  };
+  return spread(unit.x) | spread(unit.y) << 1 | spread(unit.z) << 2;
+}
+
+/// The media along the beams that a thread has lately asked for. What it answers does not depend on
+/// what it holds.
+class MediaOfBeams {
+ public:
+  const MediumAlongRay& along(std::uint64_t owner, const Volume& volume, const OwnedBeams& beams,
+                              std::uint32_t beam) {
+    Entry& entry = entries_[beam % kEntries];
+    if (entry.owner != owner || entry.beam != beam) {
+      const Beam& b = beams.beams[beam];
+      entry.owner = owner;
+      entry.beam = beam;
+      entry.medium.assign(volume, Ray{b.o, b.d, b.t1, beams.owners[beam].time}, {b.t0, b.t1});
+    }
+    return entry.medium;
+  }
+
+ private:
+  static constexpr std::size_t kEntries = 4096;
+  struct Entry {
+    std::uint64_t owner = 0;
+    std::uint32_t beam = 0;
+    MediumAlongRay medium;
+  };
+  std::vector<Entry> entries_{kEntries};
+};
+
+/// Tells the calls of gatherBeams apart: never 0.
+std::atomic<std::uint64_t> lastOwner{0};
+
+}  // namespace
+
+VolumePhotons::VolumePhotons(const Volume& volume, std::span<const Photon> photons) {
+  // Along a space-filling curve; equal codes keep their order.
+  const Bounds3 bounds = volume.bounds();
+  const Vec3 scale = Vec3(1) / max(bounds.diagonal(), Vec3(std::numeric_limits<float>::min()));
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> order;
+  order.reserve(photons.size());
+  for (std::size_t i = 0; i < photons.size(); ++i)
+    if (!photons[i].isOnSurface())
+      order.emplace_back(mortonCode((photons[i].p - bounds.lo) * scale),
+                         static_cast<std::uint32_t>(i));
+  std::sort(order.begin(), order.end());
+
+  const auto uniform = volume.uniform();
+  photons_.reserve(order.size());
+  for (const auto& [code, i] : order) {
+    const Photon& photon = photons[i];
+    const Rgb scattered = photon.power * albedoOf(volume.at(photon.p));
+    if (scattered.isBlack()) continue;
+    photons_.push_back({photon.p, -photon.wi.unpack(), scattered, uniform ? uniform->g : 0.f});
+  }
+}
+
+std::vector<BeamSum> gatherBeams(const Volume& volume, const OwnedBeams& beams,
+                                 const BeamLookup& lookup, const VolumePhotons& photons) {
+  std::vector<BeamSum> sums(beams.beams.size());
+  const auto uniform = volume.uniform();
+  if (const auto* tree = dynamic_cast<const BeamQuadtree*>(&lookup); tree && uniform) {
+    gatherHomogeneous(*tree, photons.all(), uniform->coefficients.sigma_t(), sums);
+    return sums;
+  }
+  const std::uint64_t owner = ++lastOwner;
+  lookup.accumulate(
+      photons.positions(), std::span(sums),
+      [&](BeamSum& sum, std::uint32_t b, std::uint32_t i, const BeamFoot<float>& foot) {
+        thread_local MediaOfBeams media;
+        const Beam& beam = beams.beams[b];
+        const BeamPhoton& photon = photons.all()[i];
+        const Rgb Tr = media.along(owner, volume, beams, b).transmittance(foot.t);
+        const Rgb phase = volume.phase(photon.p, -beam.d, -photon.w);
+        const DiscKernel K2(sqr(beam.radius));
+        const Rgb L = Tr * photon.power * phase * K2(foot.d2);
+        sum += BeamSum{double{L.r}, double{L.g}, double{L.b}, 1};
+      });
+  return sums;
+}
+
+}  // namespace brume

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// Volume photons looked up by beams: the physics of the beam radiance estimate.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "accelerators/beam_lookup.h"
+#include "core/scene.h"
+#include "transport/beam_gather.h"
+#include "transport/camera_beams.h"
+#include "transport/photon.h"
+
+namespace brume {
+
+/// The photons of a pass as beams need them, in an order in which neighbours are near each other.
+class VolumePhotons {
+ public:
+  /// Takes the volume photons among the given ones.
+  VolumePhotons(const Volume& volume, std::span<const Photon> photons);
+
+  std::span<const BeamPhoton> all() const { return photons_; }
+  PhotonPositions positions() const { return {all(), &BeamPhoton::p}; }
+
+ private:
+  std::vector<BeamPhoton> photons_;
+};
+
+/// The beam radiance estimate of every beam:
+///   sum_{i: d_i < r} Tr(t0, t_i) albedo(x_i) f_p(w_i, w) alpha_i K2(d_i; r)     [W m^-2 sr^-1]
+/// One uniform medium and a quadtree take the vectorised gatherHomogeneous; else the media along a
+/// beam are looked up, piece by piece.
+std::vector<BeamSum> gatherBeams(const Volume& volume, const OwnedBeams& beams,
+                                 const BeamLookup& lookup, const VolumePhotons& photons);
+
+}  // namespace brume

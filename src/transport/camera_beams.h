@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+// The camera's side of one progressive pass: a sample per pixel, its beams, and what it sees
+// without photons in media.
+#pragma once
+
+#include <vector>
+
+#include "accelerators/beam_lookup.h"
+#include "transport/camera_path.h"
+
+namespace brume {
+
+class SurfacePhotonMap;
+
+/// What a beam adds to.
+struct BeamOwner {
+  std::uint32_t sample = 0;  ///< of CameraBeams::samples
+  Rgb weight;                ///< of radiance at the beam's t0 on its way to the pixel
+  float time = 0;            ///< of the camera ray
+};
+
+/// Beams with their owners, in the same order.
+struct OwnedBeams {
+  std::vector<Beam> beams;
+  std::vector<BeamOwner> owners;
+  void append(const OwnedBeams& o) {
+    beams.insert(beams.end(), o.beams.begin(), o.beams.end());
+    owners.insert(owners.end(), o.owners.begin(), o.owners.end());
+  }
+};
+
+struct CameraBeams {
+  struct Sample {
+    Vec2 raster{0};
+    Rgb L;  ///< what needs no volume photons
+  };
+  /// A rectangle of pixels and its samples: [first, end).
+  struct Tile {
+    Bounds2i pixels;
+    std::size_t first = 0, end = 0;
+  };
+  std::vector<Sample> samples;  ///< tile by tile
+  std::vector<Tile> tiles;
+  OwnedBeams primary;    ///< straight from the camera; Beam::pixel counts in `pixels`
+  OwnedBeams secondary;  ///< behind mirrors and glass
+  Bounds2i pixels;       ///< that were sampled
+};
+
+/// How the beams of a pass are made.
+struct CameraBeamOptions {
+  float beamRadius = 0;
+  bool throughCentres = false;                ///< fixed beams instead of jittered ones
+  const SurfacePhotonMap* surface = nullptr;  ///< photons on surfaces, or none
+  float surfaceRadius = 0;
+};
+
+/// Adds the samples to the film, tile by tile in order.
+void addToFilm(const CameraBeams& beams, Film& film);
+
+/// Traces one camera path through every pixel, in parallel; its light is gathered by `paths` and
+/// from the surface photons. Empty samples when `stop` was set.
+CameraBeams traceCameraBeams(const PassContext& context, const CameraPaths& paths,
+                             const CameraBeamOptions& options);
+
+}  // namespace brume

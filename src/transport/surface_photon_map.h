@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+
+#include "accelerators/photon_kdtree.h"
+#include "core/bsdf.h"
+#include "core/interaction.h"
+#include "transport/photon.h"
+
+namespace brume {
+
+/// Photons on surfaces, and the radiance that they give to a point:
+///   L(o, wo) ~= sum_{d_i < r} f(wo, wi) |wi.ns| / |wi.ng| alpha_i K2(d_i; r)   [W m^-2 sr^-1]
+/// f BSDF without specular lobes [1/sr], alpha_i photon power [W], K2 kernel [length^-2]. The
+/// cosines turn the photons' irradiance, which counts by the geometric normal, into that of the
+/// shading normal. Photons on surfaces that lean away (normals more than 60 degrees apart) or lie
+/// off the tangent plane by more than a quarter of the radius are left out: light does not leak
+/// around corners. Bias O(r^2) on flat, evenly lit surfaces; too dark within r of edges.
+/// Immutable and thread-safe. Test: surface_photon_map_test.
+class SurfacePhotonMap {
+ public:
+  explicit SurfacePhotonMap(std::span<const Photon> photons);
+
+  bool isEmpty() const { return tree_.size() == 0; }
+  const PhotonKdTree& tree() const { return tree_; }
+  /// In the order of the tree.
+  std::span<const Photon> photons() const { return photons_; }
+
+  /// All photons within a radius.
+  Rgb radiance(const SurfaceInteraction& at, const Bsdf& bsdf, float radius) const;
+  /// The k nearest within maxRadius; the radius is the distance to the k-th, which does not count
+  /// itself: (k - 1) / (Pi r_k^2) is the unbiased density. Fewer than k: all, by maxRadius.
+  Rgb radianceOfNearest(const SurfaceInteraction& at, const Bsdf& bsdf, std::size_t k,
+                        float maxRadius) const;
+
+ private:
+  Rgb contribution(const SurfaceInteraction& at, const Bsdf& bsdf, std::uint32_t index,
+                   float radius) const;
+
+  PhotonKdTree tree_;
+  std::vector<Photon> photons_;
+};
+
+}  // namespace brume

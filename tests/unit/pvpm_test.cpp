@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: Apache-2.0
+// pvpm against closed forms, volpath and itself.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include "core/parallel.h"
+#include "support/estimate.h"
+#include "support/render_text.h"
+
+namespace brume {
+namespace {
+
+std::string scene(const std::string& integrator, const std::string& world, int size = 16,
+                  const std::string& lookAt = "0 0 -4 0 0 0 0 1 0", double fov = 30,
+                  int samples = 1) {
+  return fmt::format(
+      "LookAt {}\nCamera \"perspective\" \"float fov\" [{}]\n"
+      "Film \"image\" \"integer xresolution\" [{}] \"integer yresolution\" [{}]\n"
+      "Sampler \"random\" \"integer pixelsamples\" [{}]\nGlobalIntegrator {}\n"
+      "WorldBegin\n{}\nWorldEnd\n",
+      lookAt, fov, size, size, samples, integrator, world);
+}
+
+const std::string kPoint = "LightSource \"point\" \"point from\" [.3 .9 -.4] \"color I\" [1 2 3] ";
+std::string fog(const std::string& coefficients, const std::string& kind = "homogeneous") {
+  return fmt::format("Volume \"{}\" {} \"point p0\" [-1 -1 -1] \"point p1\" [1 1 1] ", kind,
+                     coefficients);
+}
+const std::string kFog =
+    fog("\"color sigma_s\" [.8 1 1.2] \"color sigma_a\" [.1 .1 .2] \"float g\" .5");
+
+void expectSameImages(const LayeredImage& a, const LayeredImage& b) {
+  for (const char* c : {"R", "G", "B"}) EXPECT_EQ(a.channels.at(c), b.channels.at(c)) << c;
+}
+
+TEST(Pvpm, ThreadsDoNotMatter) {
+  const std::string text =
+      scene("\"pvpm\" \"integer passes\" 3 \"integer photonsperpass\" 3000",
+            kPoint + kFog + "Material \"matte\" Translate 0 -2 0 Rotate 90 1 0 0 Shape \"disk\" ");
+  std::optional<LayeredImage> first;
+  for (int threads : {1, 2, 7}) {
+    setThreadCount(threads);
+    const LayeredImage image = renderText(text).image;
+    if (!first) first = image;
+    expectSameImages(image, *first);
+  }
+  setThreadCount(0);
+}
+
+TEST(Pvpm, LookupsGiveTheSameImage) {
+  // A medium without special kernels: the same pairs in the same order, so the same bits. With a
+  // uniform one the quadtree has its own kernel: equal to 1e-5.
+  for (const bool isUniform : {false, true}) {
+    const std::string medium =
+        isUniform ? kFog : fog("\"color sigma_s\" [1 1 1] \"float b\" .7", "exponential");
+    const auto render = [&](const std::string& lookup) {
+      return renderText(scene("\"pvpm\" \"integer passes\" 2 \"integer photonsperpass\" 3000 "
+                              "\"string lookup\" \"" +
+                                  lookup + "\"",
+                              kPoint + medium))
+          .image;
+    };
+    const LayeredImage tree = render("quadtree"), linear = render("linear");
+    if (!isUniform) expectSameImages(tree, linear);
+    for (const char* c : {"R", "G", "B"})
+      for (std::size_t i = 0; i < tree.channels.at(c).size(); ++i)
+        EXPECT_NEAR(tree.channels.at(c)[i], linear.channels.at(c)[i],
+                    1e-5f * linear.channels.at(c)[i]);
+  }
+}
+
+/// Mean of the image's middle over seeds, with its standard error.
+Estimate meanOverSeeds(const std::string& text, int seeds) {
+  double sum = 0, squares = 0;
+  for (int seed = 0; seed < seeds; ++seed) {
+    RenderSettings settings;
+    settings.seed = static_cast<std::uint64_t>(seed);
+    const double v = double{meanOf(renderText(text, settings).image).g};
+    sum += v;
+    squares += v * v;
+  }
+  const double mean = sum / seeds;
+  return {mean, std::sqrt(std::max(0.0, squares / seeds - mean * mean) / (seeds - 1))};
+}
+
+TEST(Pvpm, AgreesWithVolpathAtSmallRadius) {
+  // All that photons can carry: unscattered light by photons too, through a glass ball, off a
+  // floor. The view is narrow and inside the fog, the radius small: no boundary is in reach.
+  const std::string floor =
+      "AttributeBegin Material \"matte\" \"color Kd\" [.6 .6 .6] Translate 0 -1.5 0 Rotate -90 1 0 "
+      "0 "
+      "Shape \"disk\" \"float radius\" 4 AttributeEnd ";
+  for (const bool direct : {false, true}) {
+    const std::string world = kPoint + kFog + floor, look = "0 .2 -4 0 .1 0 0 1 0";
+    const Estimate truth = meanOverSeeds(scene("\"volpath\"", world, 8, look, 4, 64), 16);
+    const Estimate pvpm =
+        meanOverSeeds(scene(fmt::format("\"pvpm\" \"integer passes\" 4 \"integer photonsperpass\" "
+                                        "4000 \"float radius\" .03 "
+                                        "\"float surfaceradius\" .1 \"bool directvolume\" \"{}\"",
+                                        direct),
+                            world, 8, look, 4),
+                      16);
+    EXPECT_LT(std::abs(pvpm.z(truth)), 4) << direct << " " << pvpm.mean << " " << truth.mean;
+    EXPECT_LT(pvpm.standardError, 0.05 * truth.mean);
+    EXPECT_LT(truth.standardError, 0.02 * truth.mean);
+  }
+}
+
+TEST(Pvpm, SceneWithoutMediaHasNoBeams) {
+  const RenderResult result =
+      renderText(scene("\"pvpm\" \"integer passes\" 2 \"integer photonsperpass\" 1000",
+                       kPoint + "Material \"matte\" Shape \"sphere\""));
+  EXPECT_EQ(result.stats[Stat::PhotonBeamPairs], 0u);
+  EXPECT_GT(meanOf(result.image).g, 0);
+}
+
+TEST(Pvpm, SceneWithNothingForPhotonsTracesNone) {
+  const RenderResult result =
+      renderText(scene("\"pvpm\" \"integer passes\" 2",
+                       "LightSource \"infinite\" Material \"mirror\" Shape \"sphere\""));
+  EXPECT_EQ(result.stats[Stat::PhotonPaths], 0u);
+  EXPECT_GT(meanOf(result.image).g, 0.5f);
+}
+
+TEST(Pvpm, MirrorsShowTheFogBehind) {
+  // A mirror in front of the camera shows the fog behind it: secondary beams.
+  const std::string world = kPoint + kFog +
+                            "Material \"mirror\" \"color Kr\" [1 1 1] Translate 0 0 -6 Shape "
+                            "\"disk\" \"float radius\" 9 ";
+  const std::string look = "0 0 -4 0 0 -8 0 1 0";
+  const Estimate truth = meanOverSeeds(scene("\"volpath\"", world, 8, look, 4, 64), 12);
+  const Estimate pvpm = meanOverSeeds(
+      scene("\"pvpm\" \"integer passes\" 4 \"integer photonsperpass\" 4000 \"float radius\" .05",
+            world, 8, look, 4),
+      12);
+  // The mirror also lights the fog: caustic photons, which volpath cannot find; it is darker.
+  EXPECT_GT(pvpm.mean, truth.mean - 4 * truth.standardError);
+  EXPECT_LT(pvpm.mean, 1.5 * truth.mean);
+}
+
+TEST(Pvpm, AWhiteFurnaceIsWhite) {
+  // Albedo 1 under radiance 1: the middle of the image is 1 but for noise.
+  const Estimate e = meanOverSeeds(
+      scene("\"pvpm\" \"integer passes\" 4 \"integer photonsperpass\" 16000 \"float radius\" .05 "
+            "\"bool directvolume\" "
+            "\"false\"",
+            "LightSource \"infinite\" " + fog("\"color sigma_s\" [1 1 1] \"float g\" .6"), 8,
+            "0 0 -4 0 0 0 0 1 0", 6),
+      12);
+  EXPECT_LT(std::abs(e.z(1)), 4) << e.mean;
+  EXPECT_LT(e.standardError, 0.02);
+}
+
+}  // namespace
+}  // namespace brume
