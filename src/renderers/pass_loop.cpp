@@ -17,31 +17,34 @@ constexpr double kSecondsBetweenReports = 0.25;
 
 class PortionLoop {
  public:
-  PortionLoop(ImageRenderer& renderer, const Film& film, const RenderLimits& limits)
-      : renderer_(renderer), film_(film), limits_(limits) {
+  PortionLoop(ImageRenderer& renderer, const Film& film, const RenderLimits& limits,
+              const RenderWatch& watch)
+      : renderer_(renderer), film_(film), limits_(limits), watch_(watch) {
     const std::int64_t most = std::max<std::int64_t>(1, kMaxSamples / limits.round);
     total_ = limits.round * std::min(most, limits.rounds.value_or(most));
   }
 
-  RenderOutcome run(const std::atomic<bool>& stop, Stats& stats,
-                    const std::function<void(const RenderProgress&)>& progress);
+  RenderOutcome run(const std::atomic<bool>& stop, Stats& stats);
 
  private:
+  using Clock = std::chrono::steady_clock;
   double seconds() const {
-    return limits_.secondsSpent +
-           std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    return limits_.secondsSpent + std::chrono::duration<double>(Clock::now() - start_).count();
   }
   std::int64_t nextPortion() const;
+  void showSnapshot();
   std::optional<StopReason> limitReached();
   RenderProgress progressAt(double share, std::int64_t portion, const Stats& stats) const;
 
   ImageRenderer& renderer_;
   const Film& film_;
   const RenderLimits& limits_;
+  const RenderWatch& watch_;
   std::int64_t total_ = 0;
   RenderOutcome outcome_;
   std::int64_t lastPortion_ = 0;
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  std::int64_t nextSnapshot_ = 1;           // [samples]
+  Clock::time_point start_ = Clock::now();  // moved on by the time that snapshots take
 };
 
 std::int64_t PortionLoop::nextPortion() const {
@@ -50,6 +53,7 @@ std::int64_t PortionLoop::nextPortion() const {
   std::int64_t portion = kPortion;
   if (limits_.maxSeconds || limits_.targetError)
     portion = std::max<std::int64_t>(1, 2 * lastPortion_);
+  if (watch_.snapshot) portion = std::max<std::int64_t>(1, nextSnapshot_ - outcome_.samples);
   const auto atMost = [&](double samples) {
     if (samples < static_cast<double>(portion))
       portion = std::max<std::int64_t>(1, static_cast<std::int64_t>(samples));
@@ -92,15 +96,23 @@ RenderProgress PortionLoop::progressAt(double share, std::int64_t portion,
   return p;
 }
 
-RenderOutcome PortionLoop::run(const std::atomic<bool>& stop, Stats& stats,
-                               const std::function<void(const RenderProgress&)>& progress) {
+void PortionLoop::showSnapshot() {
+  if (!watch_.snapshot || outcome_.samples < nextSnapshot_) return;
+  const Clock::time_point begin = Clock::now();
+  watch_.snapshot(outcome_);
+  start_ += Clock::now() - begin;
+  const double next = std::ceil(kSnapshotGrowth * static_cast<double>(outcome_.samples));
+  nextSnapshot_ = std::max(outcome_.samples + 1, static_cast<std::int64_t>(next));
+}
+
+RenderOutcome PortionLoop::run(const std::atomic<bool>& stop, Stats& stats) {
   double nextReport = kSecondsBetweenReports;
   for (;;) {
     const std::int64_t portion = nextPortion();
     const bool isWhole = renderer_.render({outcome_.samples, outcome_.samples + portion}, stop,
                                           stats, [&](double share, const Stats& soFar) {
-                                            if (!progress || seconds() < nextReport) return;
-                                            progress(progressAt(share, portion, soFar));
+                                            if (!watch_.progress || seconds() < nextReport) return;
+                                            watch_.progress(progressAt(share, portion, soFar));
                                             nextReport = seconds() + kSecondsBetweenReports;
                                           });
     outcome_.seconds = seconds();
@@ -110,6 +122,7 @@ RenderOutcome PortionLoop::run(const std::atomic<bool>& stop, Stats& stats,
     }
     outcome_.samples += portion;
     lastPortion_ = portion;
+    showSnapshot();
     if (const auto reason = limitReached()) {
       outcome_.reason = *reason;
       return outcome_;
@@ -121,8 +134,8 @@ RenderOutcome PortionLoop::run(const std::atomic<bool>& stop, Stats& stats,
 
 RenderOutcome renderPortions(ImageRenderer& renderer, const Film& film, const RenderLimits& limits,
                              const std::atomic<bool>& stop, Stats& stats,
-                             const std::function<void(const RenderProgress&)>& progress) {
-  return PortionLoop(renderer, film, limits).run(stop, stats, progress);
+                             const RenderWatch& watch) {
+  return PortionLoop(renderer, film, limits, watch).run(stop, stats);
 }
 
 }  // namespace brume

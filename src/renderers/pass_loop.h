@@ -28,10 +28,18 @@ struct RenderOutcome {
   std::optional<double> estimatedError;
 };
 
+/// Who is told how far the render is; either may be empty. Called from one thread at a time.
+struct RenderWatch {
+  std::function<void(const RenderProgress&)> progress;  ///< a few times a second at most
+  /// After the first portion, and whenever the samples have grown by kSnapshotGrowth since; what it
+  /// takes is not counted in any time.
+  std::function<void(const RenderOutcome&)> snapshot;
+};
+
 /// Renders portion after portion until a limit is reached or `stop` is set. Without time and error
-/// limits the portions are of fixed size, so that the image depends on the rounds alone.
+/// limits the portions are of fixed size, or fixed by the snapshots, so that the image depends on
+/// the rounds alone.
 RenderOutcome renderPortions(ImageRenderer& renderer, const Film& film, const RenderLimits& limits,
-                             const std::atomic<bool>& stop, Stats& stats,
-                             const std::function<void(const RenderProgress&)>& progress);
+                             const std::atomic<bool>& stop, Stats& stats, const RenderWatch& watch);
 
 }  // namespace brume

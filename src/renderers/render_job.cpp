@@ -24,6 +24,9 @@ struct RenderJob::Parts {
   Parts(SceneDescription description, const RenderSettings& settings, Log& log);
   void makeImageSide(RenderOptions& options, PluginFactory& factory, Log& log);
   void makeIntegrators(RenderOptions& options, PluginFactory& factory);
+  RenderLimits limits() const;
+  std::unique_ptr<ImageRenderer> makeRenderer() const;
+  RenderResult resultAt(const RenderOutcome& outcome, const Stats& stats) const;
 
   RenderSettings settings;
   Log& log;
@@ -44,6 +47,7 @@ struct RenderJob::Parts {
   PassGlobalIntegrator* passes = nullptr;
 
   std::vector<UsedPlugin> plugins;
+  double setupSeconds = 0;
 };
 
 namespace {
@@ -70,6 +74,7 @@ void checkSettings(const RenderSettings& settings) {
 
 RenderJob::Parts::Parts(SceneDescription description, const RenderSettings& settings_, Log& log_)
     : settings(settings_), log(log_) {
+  const auto begin = std::chrono::steady_clock::now();
   checkSettings(settings);
   RenderOptions& options = description.options;
   overrideIntegrators(settings.integrators, options, log);
@@ -89,6 +94,7 @@ RenderJob::Parts::Parts(SceneDescription description, const RenderSettings& sett
   makeIntegrators(options, factory);
   for (const std::string& line : plan.lines()) log.verbose("plan: " + line);
   plugins = factory.takeUsed();
+  setupSeconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
 void RenderJob::Parts::makeImageSide(RenderOptions& options, PluginFactory& factory, Log&) {
@@ -150,51 +156,39 @@ RenderJob::RenderJob(SceneDescription description, const RenderSettings& setting
 
 RenderJob::~RenderJob() = default;
 
-RenderResult RenderJob::run(const std::atomic<bool>& stop,
-                            const std::function<void(const RenderProgress&)>& progress) {
-  const Parts& p = *parts_;
-  const Scene::Contents& contents = p.scene->contents();
-  const bool footprints = !contents.floatTextures.empty() || !contents.rgbTextures.empty();
-  std::unique_ptr<ImageRenderer> renderer;
+RenderLimits RenderJob::Parts::limits() const {
   RenderLimits limits;
-  if (p.passes) {
-    renderer = std::make_unique<PassRenderer>(PassRenderer::Parts{
-        *p.camera, *p.sampler, *p.film, *p.passes, p.settings.seed, footprints});
-  } else {
-    renderer = std::make_unique<TileRenderer>(
-        TileRenderParts{*p.camera, *p.sampler, *p.film, *p.radiance, p.settings.seed, footprints});
-    limits.round = p.sampler->samplesPerPixel();
-    limits.wholeRounds = p.sampler->isAdaptive();
+  if (!passes) {
+    limits.round = sampler->samplesPerPixel();
+    limits.wholeRounds = sampler->isAdaptive();
   }
-  limits.maxSeconds = p.settings.maxSeconds;
-  limits.targetError = p.settings.targetError;
-  if (p.settings.passes)
-    limits.rounds = *p.settings.passes;
+  limits.maxSeconds = settings.maxSeconds;
+  limits.targetError = settings.targetError;
+  if (settings.passes)
+    limits.rounds = *settings.passes;
   else if (!limits.maxSeconds && !limits.targetError)
-    limits.rounds = p.passes ? p.passes->defaultPasses() : 1;
+    limits.rounds = passes ? passes->defaultPasses() : 1;
+  return limits;
+}
 
+RenderResult RenderJob::Parts::resultAt(const RenderOutcome& outcome, const Stats& stats) const {
   RenderResult result;
-  const auto start = std::chrono::steady_clock::now();
-  PrepareContext prepare{p.settings.seed, p.camera->shutter(), stop, result.stats, p.log};
-  if (p.global) p.global->prepare(prepare);
-  if (p.surface) p.surface->prepare(prepare);
-  limits.secondsSpent =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  const RenderOutcome outcome =
-      renderPortions(*renderer, *p.film, limits, stop, result.stats, progress);
+  result.stats = stats;
   result.reason = outcome.reason;
   result.seconds = outcome.seconds;
-  result.passes = static_cast<int>(outcome.samples / limits.round);
-  result.image = p.film->develop();
+  result.setupSeconds = setupSeconds;
+  result.samples = outcome.samples;
+  result.passes = static_cast<int>(outcome.samples / limits().round);
+  result.image = film->develop();
 
   // What is needed to repeat the run.
   auto& metadata = result.image.metadata;
   metadata["brume:version"] = version();
-  metadata["brume:seed"] = fmt::format("{}", p.settings.seed);
+  metadata["brume:seed"] = fmt::format("{}", settings.seed);
   metadata["brume:passes"] = fmt::format("{}", result.passes);
   metadata["brume:samples per pixel"] = fmt::format("{}", outcome.samples);
   metadata["brume:seconds"] = fmt::format("{:.3f}", outcome.seconds);
-  for (const UsedPlugin& plugin : p.plugins) {
+  for (const UsedPlugin& plugin : plugins) {
     std::string text = fmt::format("\"{}\"", plugin.name);
     for (const ParamRecord& record : plugin.params)
       if (record.type != "alias")
@@ -202,9 +196,39 @@ RenderResult RenderJob::run(const std::atomic<bool>& stop,
     metadata["brume:" + plugin.kind] = text;
   }
   std::string planText;
-  for (const std::string& line : p.plan.lines()) planText += line + "\n";
+  for (const std::string& line : plan.lines()) planText += line + "\n";
   metadata["brume:plan"] = planText;
   return result;
+}
+
+std::unique_ptr<ImageRenderer> RenderJob::Parts::makeRenderer() const {
+  const Scene::Contents& contents = scene->contents();
+  const bool footprints = !contents.floatTextures.empty() || !contents.rgbTextures.empty();
+  if (passes)
+    return std::make_unique<PassRenderer>(
+        PassRenderer::Parts{*camera, *sampler, *film, *passes, settings.seed, footprints});
+  return std::make_unique<TileRenderer>(
+      TileRenderParts{*camera, *sampler, *film, *radiance, settings.seed, footprints});
+}
+
+RenderResult RenderJob::run(const std::atomic<bool>& stop,
+                            const std::function<void(const RenderProgress&)>& progress,
+                            const std::function<void(const RenderResult&)>& snapshot) {
+  const Parts& p = *parts_;
+  const std::unique_ptr<ImageRenderer> renderer = p.makeRenderer();
+  RenderLimits limits = p.limits();
+  Stats stats;
+  const auto start = std::chrono::steady_clock::now();
+  PrepareContext prepare{p.settings.seed, p.camera->shutter(), stop, stats, p.log};
+  if (p.global) p.global->prepare(prepare);
+  if (p.surface) p.surface->prepare(prepare);
+  limits.secondsSpent =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+
+  RenderWatch watch{progress, {}};
+  if (snapshot)
+    watch.snapshot = [&](const RenderOutcome& soFar) { snapshot(p.resultAt(soFar, stats)); };
+  return p.resultAt(renderPortions(*renderer, *p.film, limits, stop, stats, watch), stats);
 }
 
 const Film& RenderJob::film() const { return *parts_->film; }

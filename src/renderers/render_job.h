@@ -41,6 +41,10 @@ struct RenderProgress {
   std::optional<double> estimatedError;
 };
 
+/// RenderJob::run shows the image whenever the samples per pixel, or passes, have grown by this
+/// factor: evenly spaced where error is plotted against time on logarithmic axes.
+inline constexpr double kSnapshotGrowth = 1.41421356;
+
 enum class StopReason { Done, Time, Error, Interrupted };
 
 struct RenderResult {
@@ -48,7 +52,9 @@ struct RenderResult {
   Stats stats;
   StopReason reason = StopReason::Done;
   int passes = 0;
-  double seconds = 0;
+  std::int64_t samples = 0;  ///< per average pixel
+  double seconds = 0;        ///< of the render
+  double setupSeconds = 0;   ///< of making the RenderJob: acceleration structures, integrators
 };
 
 /// One frame to be rendered.
@@ -60,9 +66,11 @@ class RenderJob {
   ~RenderJob();
 
   /// Renders until done or stop is set. `progress` is called from one thread at a time, a few times
-  /// a second at most.
+  /// a second at most; `snapshot` at growing intervals (kSnapshotGrowth) with the image so far. The
+  /// time it takes is not counted.
   RenderResult run(const std::atomic<bool>& stop,
-                   const std::function<void(const RenderProgress&)>& progress);
+                   const std::function<void(const RenderProgress&)>& progress,
+                   const std::function<void(const RenderResult&)>& snapshot = {});
 
   const Film& film() const;
   const Scene& scene() const;

@@ -216,6 +216,38 @@ TEST(PassLoop, StopsAtTheTargetError) {
   EXPECT_LE(outcome.samples, 80);
 }
 
+TEST(PassLoop, ShowsSnapshotsAtGrowingIntervals) {
+  TestRender setup({10}, {20, 20}), plain({10}, {20, 20});
+  TileRenderer renderer(setup.parts(setup.noise)), plainRenderer(plain.parts(plain.noise));
+  std::vector<std::int64_t> samples;
+  double inSnapshots = 0;
+  LayeredImage last;
+  RenderWatch watch;
+  watch.snapshot = [&](const RenderOutcome& soFar) {
+    samples.push_back(soFar.samples);
+    EXPECT_EQ(setup.stats[Stat::CameraRays] % static_cast<std::uint64_t>(soFar.samples), 0u);
+    last = setup.film.develop();
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    inSnapshots += 0.02;
+  };
+  const RenderLimits limits{10, false, 2, {}, {}};
+  const auto begin = std::chrono::steady_clock::now();
+  const RenderOutcome outcome =
+      renderPortions(renderer, setup.film, limits, setup.stop, setup.stats, watch);
+  const std::chrono::duration<double> all = std::chrono::steady_clock::now() - begin;
+  renderPortions(plainRenderer, plain.film, limits, plain.stop, plain.stats, {});
+
+  EXPECT_EQ(samples, (std::vector<std::int64_t>{1, 2, 3, 5, 8, 12, 17}));
+  EXPECT_EQ(outcome.samples, 20);
+  EXPECT_LE(outcome.seconds, all.count() - inSnapshots) << "snapshots count as rendering";
+  // The same samples as without, added up in other portions: doubles differ in the last bits.
+  const LayeredImage image = setup.film.develop(), expected = plain.film.develop();
+  for (const auto& [name, values] : expected.channels)
+    for (std::size_t i = 0; i < values.size(); ++i)
+      ASSERT_NEAR(image.channels.at(name)[i], values[i], 1e-5f * std::abs(values[i]) + 1e-9f);
+  EXPECT_NE(last.channels.at("samples"), image.channels.at("samples"));
+}
+
 TEST(PassLoop, ReportsProgress) {
   // Holds up the first camera ray until a report is due.
   class SlowStart final : public RayRadiance {
@@ -232,14 +264,15 @@ TEST(PassLoop, ReportsProgress) {
   const SlowStart radiance;
   TileRenderer renderer(setup.parts(radiance));
   int reports = 0;
-  renderPortions(renderer, setup.film, {10, false, 1, {}, {}}, setup.stop, setup.stats,
-                 [&](const RenderProgress& p) {
-                   EXPECT_GT(p.fraction, 0.0);
-                   EXPECT_LE(p.fraction, 1.0);
-                   EXPECT_GE(p.seconds, 0.25);
-                   EXPECT_EQ(p.pass, 1);
-                   ++reports;
-                 });
+  RenderWatch watch;
+  watch.progress = [&](const RenderProgress& p) {
+    EXPECT_GT(p.fraction, 0.0);
+    EXPECT_LE(p.fraction, 1.0);
+    EXPECT_GE(p.seconds, 0.25);
+    EXPECT_EQ(p.pass, 1);
+    ++reports;
+  };
+  renderPortions(renderer, setup.film, {10, false, 1, {}, {}}, setup.stop, setup.stats, watch);
   EXPECT_EQ(reports, 1);  // a quarter of a second apart
 }
 
