@@ -32,6 +32,17 @@ struct PluginWords {
   bool markdown = false;
 };
 
+struct RegressWords {
+  std::string folder, output, threads;
+  std::vector<std::string> scenes;
+  bool update = false, quiet = false, strict = false;
+};
+
+struct BenchWords {
+  std::string file, output;
+  bool quiet = false;
+};
+
 CLI::Option* addValue(CLI::App& app, const char* name, std::string& value, const char* type,
                       const char* text) {
   const CLI::Validator notEmpty{
@@ -126,6 +137,32 @@ CLI::App* declarePhotons(CLI::App& app, PhotonReportOptions& options) {
   return photons;
 }
 
+CLI::App* declareRegress(CLI::App& app, RegressWords& words) {
+  CLI::App* regress =
+      app.add_subcommand("regress", "Render the scenes of a folder and compare with references");
+  regress->add_option("DIR", words.folder, "folder with NAME.pbrt and NAME.ref.exr")
+      ->type_name("")
+      ->required();
+  regress->add_option("NAME", words.scenes, "only these scenes")->type_name("");
+  regress->add_flag("--update", words.update, "render the references anew instead of comparing");
+  addValue(*regress, "-o,--output", words.output, "DIR",
+           "folder for images and a page of what failed; default regress-failures");
+  addValue(*regress, "--threads", words.threads, "N", "processor threads; default: all");
+  regress->add_flag("--strict", words.strict, "every warning is an error");
+  regress->add_flag("--quiet", words.quiet, "print failures only");
+  return regress;
+}
+
+CLI::App* declareBench(CLI::App& app, BenchWords& words) {
+  CLI::App* bench = app.add_subcommand(
+      "bench", "Render scenes by several methods and plot their error against time");
+  bench->add_option("FILE", words.file, "what to measure (JSON)")->type_name("")->required();
+  addValue(*bench, "-o,--output", words.output, "DIR",
+           "folder for images, results.json and index.html; default: FILE-results");
+  bench->add_flag("--quiet", words.quiet, "print errors only");
+  return bench;
+}
+
 /// What `read` makes of an option, when it was given.
 template <class Read>
 auto given(const char* name, const std::string& value, Read read)
@@ -155,6 +192,11 @@ void checkSceneWords(const std::vector<std::string>& scenes,
   }
 }
 
+int readThreads(const std::string& word) {
+  const auto read = [](const WrittenOption& o) { return static_cast<int>(parseWhole(o, 1, 4096)); };
+  return given("--threads", word, read).value_or(0);
+}
+
 RenderCommand readRender(const RenderWords& words) {
   if (words.scenes.empty()) throw SceneError("no scene file given; see brume --help");
   if (words.quiet && words.verbose) throw SceneError("--quiet and --verbose exclude each other");
@@ -180,10 +222,7 @@ RenderCommand readRender(const RenderWords& words) {
   if (words.quiet) command.log.verbosity = Verbosity::Quiet;
   if (words.verbose) command.log.verbosity = Verbosity::Verbose;
   command.log.strict = words.strict;
-  const auto threads = [](const WrittenOption& o) {
-    return static_cast<int>(parseWhole(o, 1, 4096));
-  };
-  command.threads = given("--threads", words.threads, threads).value_or(0);
+  command.threads = readThreads(words.threads);
   command.pngToo = words.png;
   command.statsFile = words.stats;
   return command;
@@ -211,6 +250,18 @@ DiffOptions readDiff(const DiffWords& words) {
   options.heatmap = words.heatmap;
   options.json = words.json;
   return options;
+}
+
+RegressCommand readRegress(const RegressWords& words) {
+  RegressCommand command;
+  command.options.folder = words.folder;
+  command.options.scenes = words.scenes;
+  command.options.update = words.update;
+  if (!words.output.empty()) command.options.output = words.output;
+  command.threads = readThreads(words.threads);
+  command.log.strict = words.strict;
+  if (words.quiet) command.log.verbosity = Verbosity::Quiet;
+  return command;
 }
 
 /// The first word that no declaration takes, with the nearest option of that (sub)command.
@@ -241,10 +292,15 @@ Command parseCommandLine(int argc, const char* const* argv) {
   DiffWords compare;
   PluginWords manual;
   PhotonReportOptions photonReport;
+  RegressWords regression;
+  BenchWords measurement;
   declareRender(app, render);
   const CLI::App* diff = declareDiff(app, compare);
   const CLI::App* plugins = declarePlugins(app, manual);
   const CLI::App* photons = declarePhotons(app, photonReport);
+  const CLI::App* regress = declareRegress(app, regression);
+  const CLI::App* bench = declareBench(app, measurement);
+  const std::vector<const CLI::App*> commands{diff, plugins, photons, regress, bench};
 
   try {
     app.parse(argc, argv);
@@ -255,20 +311,26 @@ Command parseCommandLine(int argc, const char* const* argv) {
   } catch (const CLI::ParseError& error) {
     throw SceneError(fmt::format("{}; see brume --help", error.what()));
   }
-  for (const CLI::App* part : {static_cast<const CLI::App*>(&app), diff, plugins, photons})
-    if (const auto extras = part->remaining(); !extras.empty()) failOnExtra(*part, extras.front());
-
-  for (const CLI::App* command : {diff, plugins, photons})
-    if (command->parsed()) {
+  const auto checkExtras = [](const CLI::App& part) {
+    if (const auto extras = part.remaining(); !extras.empty()) failOnExtra(part, extras.front());
+  };
+  checkExtras(app);
+  for (const CLI::App* command : commands) checkExtras(*command);
+  for (const CLI::App* command : commands)
+    if (command->parsed())
       for (const CLI::Option* option : app.get_options())
         if (option->count() != 0)
           throw SceneError(fmt::format("{} does not go with the command '{}'", option->get_name(),
                                        command->get_name()));
-    }
   if (diff->parsed()) return readDiff(compare);
   if (plugins->parsed()) return PluginManualOptions{manual.name, manual.markdown};
   if (photons->parsed()) return photonReport;
-  checkSceneWords(render.scenes, {diff->get_name(), photons->get_name(), plugins->get_name()});
+  if (regress->parsed()) return readRegress(regression);
+  if (bench->parsed())
+    return BenchCommand{{measurement.file, measurement.output}, measurement.quiet};
+  std::vector<std::string> names;
+  for (const CLI::App* command : commands) names.push_back(command->get_name());
+  checkSceneWords(render.scenes, names);
   return readRender(render);
 }
 

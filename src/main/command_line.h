@@ -9,9 +9,11 @@
 
 #include "core/log.h"
 #include "renderers/render_job.h"
+#include "tools/bench.h"
 #include "tools/diff.h"
 #include "tools/photon_report.h"
 #include "tools/plugin_manual.h"
+#include "tools/regress.h"
 
 namespace brume {
 
@@ -27,13 +29,26 @@ struct RenderCommand {
   std::string statsFile;  ///< empty: none
 };
 
+/// brume regress DIR [NAME...]
+struct RegressCommand {
+  RegressOptions options;
+  Log::Options log;
+  int threads = 0;  ///< 0: as many as the machine has
+};
+
+/// brume bench FILE.json
+struct BenchCommand {
+  BenchOptions options;
+  bool isQuiet = false;
+};
+
 /// --help and --version: a text for standard output and nothing else to do.
 struct ShowText {
   std::string text;
 };
 
-using Command =
-    std::variant<RenderCommand, DiffOptions, PluginManualOptions, PhotonReportOptions, ShowText>;
+using Command = std::variant<RenderCommand, DiffOptions, PluginManualOptions, PhotonReportOptions,
+                             RegressCommand, BenchCommand, ShowText>;
 
 /// Throws SceneError for an option that does not exist, a value that it cannot take or a
 /// contradiction.

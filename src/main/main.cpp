@@ -2,9 +2,11 @@
 #include <cstdio>
 #include <string>
 
+#include "core/parallel.h"
 #include "main/command_line.h"
 #include "main/failure.h"
 #include "main/render_command.h"
+#include "main/signals.h"
 
 namespace {
 
@@ -32,6 +34,29 @@ int run(const PluginManualOptions& options) {
 int run(const PhotonReportOptions& options) {
   printResult(reportPhotons(options));
   return kExitDone;
+}
+
+int run(const RegressCommand& command) {
+  setThreadCount(command.threads);
+  Log log(command.log);
+  const StopOnSignal signals;
+  const RegressOutcome outcome =
+      regress(command.options, log, signals.stop(), [&](const std::string& line) {
+        const bool isWanted = command.log.verbosity != Verbosity::Quiet ||
+                              line.starts_with("FAILED") || line.starts_with(" ");
+        if (isWanted) printResult(line + "\n");
+      });
+  if (outcome.isInterrupted) return 128 + StopOnSignal::received();
+  return outcome.passed() ? kExitDone : kExitUser;
+}
+
+int run(const BenchCommand& command) {
+  const StopOnSignal signals;
+  const BenchOutcome outcome = bench(command.options, signals.stop(), [&](const std::string& line) {
+    if (!command.isQuiet || line.starts_with("FAILED")) printResult(line + "\n");
+  });
+  if (outcome == BenchOutcome::Interrupted) return 128 + StopOnSignal::received();
+  return outcome == BenchOutcome::Done ? kExitDone : kExitUser;
 }
 
 int run(const ShowText& show) {

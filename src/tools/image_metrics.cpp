@@ -82,6 +82,34 @@ RgbImage blockMeans(const RgbImage& image, int block) {
   return means;
 }
 
+LayeredImage blockMeans(const LayeredImage& image, int block) {
+  const Vec2i size{image.dataWindow.width(), image.dataWindow.height()};
+  LayeredImage means;
+  const auto add = [&](const std::string& prefix, bool isVariance) {
+    RgbImage layer(size.x, size.y);
+    for (int c = 0; c < 3; ++c) {
+      const std::vector<float>& from = image.channels.at(prefix + "RGB"[c]);
+      for (std::size_t i = 0; i < from.size(); ++i) layer.pixels[i][c] = from[i];
+    }
+    const RgbImage mean = blockMeans(layer, block);
+    means.displaySize = {mean.width, mean.height};
+    means.dataWindow = {Vec2i{0}, means.displaySize};
+    for (int c = 0; c < 3; ++c) {
+      std::vector<float>& to = means.channels[prefix + "RGB"[c]];
+      for (int y = 0; y < mean.height; ++y)
+        for (int x = 0; x < mean.width; ++x) {
+          const float pixels = static_cast<float>((std::min((x + 1) * block, size.x) - x * block) *
+                                                  (std::min((y + 1) * block, size.y) - y * block));
+          to.push_back(mean.at(x, y)[c] / (isVariance ? pixels : 1.f));
+        }
+    }
+  };
+  block = std::min(block, std::max({1, size.x, size.y}));
+  add("", false);
+  if (image.has("variance.R")) add("variance.", true);
+  return means;
+}
+
 BlockComparison compareBlocks(const RgbImage& a, const RgbImage& b, int block) {
   constexpr double kFloor = 1e-3;
   requireSameSize(a, b);

@@ -52,6 +52,9 @@ ImageError compareImages(const RgbImage& a, const RgbImage& b);
 /// Means over blocks of block x block pixels (smaller at the right and bottom edge). A non-finite
 /// pixel makes its block NaN.
 RgbImage blockMeans(const RgbImage& image, int block);
+/// The same of R, G and B and, where there are any, of their variances: that of a mean of
+/// independent pixels is the mean variance over the number of pixels.
+LayeredImage blockMeans(const LayeredImage& image, int block);
 
 /// The means of two images over the same blocks.
 struct BlockComparison {
@@ -80,7 +83,7 @@ FlipResult flip(const RgbImage& a, const RgbImage& b, double pixelsPerDegree = 6
 /// the same expectation. Pixels are taken to be independent (true of the box filter of width 1) and
 /// normally distributed.
 struct ZTest {
-  std::uint64_t tests = 0;  ///< pixel channels with a positive variance in either image
+  std::uint64_t tests = 0;  ///< pixel channels with a variance above rounding in either image
   double maxAbsZ = 0;       ///< largest |a - b| / sqrt(va + vb)
   Vec2i maxPixel{0};        ///< where, from the corner of the data window
   int maxChannel = 0;

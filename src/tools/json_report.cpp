@@ -4,19 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
 #include "core/version.h"
+#include "tools/json_object.h"
 
 namespace brume {
 namespace {
-
-using Json = nlohmann::ordered_json;
-
-/// Text that may hold any bytes (file names) never makes the report fail.
-std::string dump(const Json& json) {
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
-}
 
 /// Calls f(group, name, value) for each counter, group after group in order of declaration.
 template <class F>
@@ -91,7 +84,7 @@ std::string statsJson(const std::vector<FrameReport>& frames) {
   json["brume"] = version();
   Json& list = json["frames"] = Json::array();
   for (const FrameReport& frame : frames) list.push_back(frameJson(frame));
-  return dump(json);
+  return jsonText(json);
 }
 
 std::string statsTable(const FrameReport& frame) {
@@ -127,7 +120,7 @@ std::string figuresJson(const FigureList& figures) {
   for (const auto& [name, value] : figures.numbers) json[name] = value;
   for (const auto& [name, list] : figures.lists) json[name] = list;
   json["failures"] = figures.failures;
-  return dump(json);
+  return jsonText(json);
 }
 
 }  // namespace brume

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reports as JSON: --stats and `brume diff --json`. The one pair of files that knows nlohmann-json.
+// Reports as JSON: --stats and `brume diff --json`.
 #pragma once
 
 #include <cstdint>

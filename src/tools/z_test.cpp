@@ -53,6 +53,8 @@ bool hasVariance(const LayeredImage& image) {
 
 std::optional<ZTest> zTest(const LayeredImage& a, const LayeredImage& b) {
   constexpr double kFixedTolerance = 1e-4;
+  // Equal samples add up to a variance of rounding: no noise to compare a difference with.
+  constexpr double kRounding = 1e-6;
   if (!hasVariance(a) || !hasVariance(b)) return std::nullopt;
   const int width = a.dataWindow.width(), height = a.dataWindow.height();
   if (width != b.dataWindow.width() || height != b.dataWindow.height())
@@ -69,9 +71,9 @@ std::optional<ZTest> zTest(const LayeredImage& a, const LayeredImage& b) {
     for (std::size_t i = 0; i < xa.size(); ++i) {
       const double difference = double{xa[i]} - xb[i], variance = double{va[i]} + vb[i];
       float& pixelP = result.pValues.values[i];
-      if (variance == 0) {
+      const double size = std::max(std::abs(double{xa[i]}), std::abs(double{xb[i]}));
+      if (variance <= sqr(kRounding * size)) {
         ++result.fixed;
-        const double size = std::max(std::abs(double{xa[i]}), std::abs(double{xb[i]}));
         if (!(std::abs(difference) <= kFixedTolerance * size)) {
           ++result.fixedDiffer;
           pixelP = 0;
