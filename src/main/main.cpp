@@ -53,7 +53,7 @@ int run(const RegressCommand& command) {
 int run(const BenchCommand& command) {
   const StopOnSignal signals;
   const BenchOutcome outcome = bench(command.options, signals.stop(), [&](const std::string& line) {
-    if (!command.isQuiet || line.starts_with("FAILED")) printResult(line + "\n");
+    if (!command.isQuiet || line.starts_with("FAILED")) std::fprintf(stderr, "%s\n", line.c_str());
   });
   if (outcome == BenchOutcome::Interrupted) return 128 + StopOnSignal::received();
   return outcome == BenchOutcome::Done ? kExitDone : kExitUser;
