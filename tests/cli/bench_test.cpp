@@ -61,8 +61,8 @@ TEST_F(Bench, MeasuresErrorAgainstTimeWithoutRestarts) {
   EXPECT_GT(scene["reference noise"], 0);
   ASSERT_EQ(scene["curves"].size(), 4u);
   const Json& points = scene["curves"][0]["points"];
-  // 1, 2, 3, 5, ... 49 samples, and the 64 at the end.
-  ASSERT_EQ(points.size(), 12u);
+  // 1, 2, 3, 5, 8, 12, 17, 25, 36, 51 samples, and the 64 at the end.
+  ASSERT_EQ(points.size(), 11u);
   EXPECT_EQ(points.front()["samples"], 1);
   EXPECT_EQ(points.back()["samples"], 64);
   EXPECT_EQ(points.back()["counters"]["Rays/camera"], 64 * 256);
@@ -144,7 +144,7 @@ TEST_F(Bench, AMethodThatFailsDoesNotEndTheOthers) {
   EXPECT_EQ(result.exitCode, 1);
   EXPECT_TRUE(contains(result.err, "FAILED   ball, vilpath")) << result.err;
   const Json curves = results()["scenes"][0]["curves"];
-  EXPECT_EQ(curves[0]["points"].size(), 6u);
+  EXPECT_EQ(curves[0]["points"].size(), 7u);
   EXPECT_TRUE(contains(curves[1]["failure"], "vilpath"));
 }
 
