@@ -57,9 +57,9 @@ TEST(JsonObject, SaysWhatIsWrong) {
   EXPECT_EQ(errorOf([&] { inner.wholes("seeds", 0, 1); }),
             "file.json: inner.seeds must be a whole number from 0 to 1, or a list of such");
   inner.any("opps");
-  EXPECT_EQ(
-      errorOf([&] { inner.finish(); }),
-      "file.json: inner: unknown key \"oops\" (did you mean 'opps'?); the keys are seeds, opps");
+  EXPECT_EQ(errorOf([&] { inner.finish(); }),
+            "file.json: inner: unknown key \"oops\" (did you mean 'opps'?); the keys are 'seeds' "
+            "or 'opps'");
 }
 
 TEST(JsonObject, SyntaxErrorsHaveTheirPlace) {
