@@ -29,7 +29,9 @@ class BeamCollector final : public CameraPathVisitor {
     const Ray& ray = medium.ray();
     const Interval range = medium.occupied();
     OwnedBeams& to = bounces == 0 ? tile_.primary : tile_.secondary;
-    to.beams.push_back({ray.o, range.t0, ray.d, range.t1, options_.beamRadius, pixel_});
+    const float radius =
+        options_.pixelRadii.empty() ? options_.beamRadius : options_.pixelRadii[pixel_];
+    to.beams.push_back({ray.o, range.t0, ray.d, range.t1, radius, pixel_});
     to.owners.push_back({static_cast<std::uint32_t>(tile_.samples.size()), weight, ray.time});
   }
   void onSurface(const SurfaceInteraction& at, const Bsdf& bsdf, const Rgb& weight) override {

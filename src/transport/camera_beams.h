@@ -3,6 +3,7 @@
 // without photons in media.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "accelerators/beam_lookup.h"
@@ -48,7 +49,8 @@ struct CameraBeams {
 
 /// How the beams of a pass are made.
 struct CameraBeamOptions {
-  float beamRadius = 0;
+  float beamRadius = 0;                       ///< of all beams, unless each pixel has its own
+  std::span<const float> pixelRadii;          ///< by Beam::pixel, or empty
   bool throughCentres = false;                ///< fixed beams instead of jittered ones
   const SurfacePhotonMap* surface = nullptr;  ///< photons on surfaces, or none
   float surfaceRadius = 0;

@@ -47,14 +47,14 @@ double firstBeamRadius(std::span<const Photon> photons, const Volume& volume, do
   const double chord = 2 * e.x * e.y * e.z / (e.x * e.y + e.y * e.z + e.z * e.x);
   // k photons inside the distance of the k-th, itself not counted, beside the one in the middle.
   const double density = perPhoton * (kNeighbours - 1) / (4.0 / 3 * M_PI * *d2 * std::sqrt(*d2));
-  return atMost(std::sqrt(kPhotonsPerQuery / (M_PI * density * chord)), bounds);
+  return atMost(std::sqrt(kPhotonsPerBeam / (M_PI * density * chord)), bounds);
 }
 
 double firstSurfaceRadius(std::span<const Photon> photons, const Scene& scene, double perPhoton) {
   const auto d2 = medianDistance2(photons, true);
   if (!d2) return atMost(0, scene.bounds());
   const double density = perPhoton * (kNeighbours - 1) / (M_PI * *d2);
-  return atMost(std::sqrt(kPhotonsPerQuery / (M_PI * density)), scene.bounds());
+  return atMost(std::sqrt(kPhotonsPerPoint / (M_PI * density)), scene.bounds());
 }
 
 }  // namespace brume

@@ -26,20 +26,24 @@ class RadiusSchedule {
   double pass_ = 1;
 };
 
-/// Squared radius of one beam or visible point from its own photon count: N photons so far, M new
-/// ones in the present pass, r'^2 = r^2 (N + alpha M) / (N + M); the flux gathered so far is scaled
-/// alike. Source: Hachisuka, Ogaki, Jensen 2008, Progressive Photon Mapping, section 4.
-struct CountedRadius {
-  double radius2 = 0;
-  double count = 0;
-  /// Takes M photons in; returns r'^2 / r^2.
-  double shrink(double newPhotons, double alpha) {
-    if (!(newPhotons > 0)) return 1;
-    const double kept = count + alpha * newPhotons, ratio = kept / (count + newPhotons);
-    count = kept;
-    radius2 *= ratio;
-    return ratio;
+/// Squared radius of one beam from its own photons: N so far, M new ones in the present pass,
+///   r'^2 = r^2 (N + alpha M) / (N + M)
+/// The flux gathered so far is scaled alike, so flux over area stays what it was: with a normalised
+/// kernel the result is the mean of the passes' estimates here too. Source: Hachisuka, Ogaki,
+/// Jensen 2008, Progressive Photon Mapping, section 4.
+class CountedRadius {
+ public:
+  explicit CountedRadius(double firstRadius) : radius2_(firstRadius * firstRadius) {}
+  double radius2() const { return radius2_; }
+  void shrink(double newPhotons, double alpha) {
+    if (!(newPhotons > 0)) return;
+    const double kept = count_ + alpha * newPhotons;
+    radius2_ *= kept / (count_ + newPhotons);
+    count_ = kept;
   }
+
+ private:
+  double radius2_, count_ = 0;
 };
 
 }  // namespace brume

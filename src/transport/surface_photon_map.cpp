@@ -9,12 +9,22 @@ namespace {
 constexpr float kMaxTilt = 0.5f;     // cosine between the normals
 constexpr float kMaxHeight = 0.25f;  // over the tangent plane, in radii
 
+std::vector<Photon> onSurfaces(std::span<const Photon> photons) {
+  std::vector<Photon> found;
+  for (const Photon& photon : photons)
+    if (photon.isOnSurface()) found.push_back(photon);
+  return found;
+}
+
 }  // namespace
 
 SurfacePhotonMap::SurfacePhotonMap(std::span<const Photon> photons)
+    : SurfacePhotonMap(onSurfaces(photons)) {}
+
+SurfacePhotonMap::SurfacePhotonMap(std::vector<Photon> photons)
     : tree_(StridedPoints(photons.empty() ? nullptr : &photons.front().p, photons.size(),
                           sizeof(Photon))),
-      photons_(inOrder(photons, tree_.order())) {
+      photons_(inOrder(std::span<const Photon>(photons), tree_.order())) {
   tree_.dropOrder();
 }
 

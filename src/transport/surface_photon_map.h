@@ -20,6 +20,7 @@ namespace brume {
 /// Immutable and thread-safe. Test: surface_photon_map_test.
 class SurfacePhotonMap {
  public:
+  /// Takes the surface photons among the given ones.
   explicit SurfacePhotonMap(std::span<const Photon> photons);
 
   bool isEmpty() const { return tree_.size() == 0; }
@@ -35,6 +36,7 @@ class SurfacePhotonMap {
                         float maxRadius) const;
 
  private:
+  explicit SurfacePhotonMap(std::vector<Photon> photons);
   Rgb contribution(const SurfaceInteraction& at, const Bsdf& bsdf, std::uint32_t index,
                    float radius) const;
 

@@ -8,6 +8,7 @@
 #include "transport/beam_radiance.h"
 #include "transport/camera_beams.h"
 #include "transport/first_radius.h"
+#include "transport/photon_store.h"
 #include "transport/photon_tracer.h"
 #include "transport/radius_schedule.h"
 #include "transport/surface_photon_map.h"
@@ -16,6 +17,7 @@ namespace brume {
 namespace {
 
 enum class Lookup { Quadtree, Linear };
+enum class Schedule { Global, Beam };
 
 Rgb toRgb(const BeamSum& sum) {
   return {static_cast<float>(sum.r), static_cast<float>(sum.g), static_cast<float>(sum.b)};
@@ -26,26 +28,30 @@ Rgb toRgb(const BeamSum& sum) {
 ///   Lv(o,w) ~= 1/n sum_{j=1}^n sum_{i: d_i < r_j} Tr(0,t_i) albedo(x_i) f_p alpha_i K2(d_i; r_j)
 ///                                                                          [W m^-2 sr^-1]
 ///   t_i distance of photon i's foot along the beam, d_i its distance from it, alpha_i power [W],
-///   K2 kernel [length^-2], f_p phase function [sr^-1], r_{j+1}^2 = r_j^2 (j + alpha) / (j + 1)
+///   K2 kernel [length^-2], f_p phase function [sr^-1]; radii shrink by a RadiusSchedule, or each
+///   pixel's by its own count of photons (CountedRadius)
 /// Surfaces: direct light by sampling; caustics and indirect light by the photons of the pass
 /// around the visible point, with a radius of the same schedule. Beams go on through mirrors and
 /// glass. Unscattered light in media is sampled (directvolume), or left to photons. Deposit rule:
 /// at every collision, before the albedo (applied to the photons of a pass, nowhere else). Bias
 /// O(r^2) and variance O(1/r^2) per pass; both vanish with the number of passes. Memory: beams and
-/// photons of one pass. Sources: Knaus, Zwicker 2011; Jarosz, Zwicker, Jensen 2008. Test:
-/// pvpm_test.
+/// photons of one pass; photons that were loaded serve in every pass, and then only the beams are
+/// new. Sources: Hachisuka, Ogaki, Jensen 2008; Knaus, Zwicker 2011; Jarosz, Zwicker, Jensen 2008.
+/// Test: pvpm_test.
 class Pvpm final : public PassGlobalIntegrator {
  public:
   struct Params {
     int passes = 64;
     int photonsperpass = 200'000;
     std::optional<float> radius, surfaceradius;
+    Schedule schedule = Schedule::Global;
     float alpha = 2.f / 3;
     Lookup lookup = Lookup::Quadtree;
     bool fixedbeams = false;
     bool directvolume = true;
     int maxbounces = 16;
     std::optional<int> maxdepth;
+    PhotonFileParams files;
 
     void visit(ParamVisitor& v) {
       v(passes, "passes", kPositiveInt, Unit::None,
@@ -56,8 +62,11 @@ class Pvpm final : public PassGlobalIntegrator {
         "of the beams in the first pass; by default so that a beam meets some 10 photons");
       v(surfaceradius, "surfaceradius", kPositive, Unit::Length,
         "on surfaces in the first pass; by default so that a point meets some 10 photons");
+      v(schedule, "schedule", {{"global", Schedule::Global}, {"beam", Schedule::Beam}},
+        "global: all radii shrink alike, r'^2 = r^2 (j + alpha) / (j + 1) after pass j; beam: each "
+        "pixel's by its own photons, r'^2 = r^2 (N + alpha M) / (N + M)");
       v(alpha, "alpha", Range<float>{0.01f, 1.f}, Unit::None,
-        "how slowly radii shrink, see above; 1: not at all");
+        "how slowly radii shrink; 1: not at all");
       v(lookup, "lookup", {{"quadtree", Lookup::Quadtree}, {"linear", Lookup::Linear}},
         "how photons find their beams; the image does not depend on it");
       v(fixedbeams, "fixedbeams", "beams through the pixels' centres instead of jittered ones");
@@ -67,6 +76,7 @@ class Pvpm final : public PassGlobalIntegrator {
         "most specular bounces of a camera path");
       v(maxdepth, "maxdepth", kNonNegativeInt, Unit::None,
         "most scatterings of a light path; unlimited when not given");
+      files.visit(v);
     }
   };
 
@@ -80,6 +90,7 @@ class Pvpm final : public PassGlobalIntegrator {
     tracer_ = std::make_unique<PhotonTracer>(
         scene_, PhotonRequest{wanted_, context.shutter, params_.maxdepth});
     if (!tracer_->hasLights()) wanted_ = {};
+    keepPhotons(context);
     chooseRadii(context);
   }
   std::int64_t defaultPasses() const override { return params_.passes; }
@@ -88,11 +99,14 @@ class Pvpm final : public PassGlobalIntegrator {
 
  private:
   PhotonClasses wantedPhotons() const;
+  void keepPhotons(const PrepareContext& context);
   void chooseRadii(PrepareContext& context);
+  void prepareRadii(const PassContext& context, CameraBeamOptions& options);
+  void shrinkPixelRadii(const OwnedBeams& beams, std::span<const BeamSum> sums);
   PhotonSet tracePhotons(std::uint64_t seed, std::uint64_t pass, int paths,
                          const std::atomic<bool>& stop, Stats& stats) const;
-  void gather(const OwnedBeams& beams, const VolumePhotons& photons, const BeamLookup& lookup,
-              CameraBeams& to, Stats& stats) const;
+  void gather(const OwnedBeams& beams, const VolumePhotons& photons, const Bounds2i* image,
+              CameraBeams& to, Stats& stats);
   std::unique_ptr<BeamLookup> makeLookup(const OwnedBeams& beams, const Bounds2i* image) const;
 
   Params params_;
@@ -100,7 +114,10 @@ class Pvpm final : public PassGlobalIntegrator {
   PhotonClasses wanted_;
   CameraPaths paths_;
   std::unique_ptr<PhotonTracer> tracer_;
+  std::optional<PhotonSet> kept_;  // loaded: the same for every pass
   std::optional<RadiusSchedule> beamRadius_, surfaceRadius_;
+  std::vector<CountedRadius> countedRadii_;  // of each pixel, schedule "beam"
+  std::vector<float> pixelRadii_;            // their present values
 };
 
 /// The classes that this scene can show.
@@ -131,16 +148,28 @@ PhotonSet Pvpm::tracePhotons(std::uint64_t seed, std::uint64_t pass, int count,
   return tracer_->trace(seed, pass, paths, stop, stats);
 }
 
+/// Photons from a file, or the first pass's to a file.
+void Pvpm::keepPhotons(const PrepareContext& context) {
+  const PhotonFileParams& files = params_.files;
+  if (files.loadphotons.empty() && files.savephotons.empty()) return;
+  PhotonSet photons = loadOrTracePhotons(files, {{}, wanted_}, scene_, context, [&] {
+    return tracePhotons(context.seed, 0, params_.photonsperpass, context.stop, context.stats);
+  });
+  if (!files.loadphotons.empty() && photons.isComplete) kept_ = std::move(photons);
+}
+
 /// Radii that were not given, from a pilot pass of photons with random numbers of its own.
 void Pvpm::chooseRadii(PrepareContext& context) {
   constexpr std::uint64_t kPilotPass = ~std::uint64_t{0};
   constexpr int kPilotPaths = 20'000;
   if (wanted_.isEmpty()) return;
   const int paths = std::min(kPilotPaths, params_.photonsperpass);
-  const PhotonSet pilot =
-      tracePhotons(context.seed, kPilotPass, paths, context.stop, context.stats);
-  if (!pilot.isComplete) return;
-  const double perPass = double(params_.photonsperpass) / paths;
+  const PhotonSet traced =
+      kept_ ? PhotonSet{}
+            : tracePhotons(context.seed, kPilotPass, paths, context.stop, context.stats);
+  if (!traced.isComplete) return;
+  const PhotonSet& pilot = kept_ ? *kept_ : traced;
+  const double perPass = kept_ ? 1.0 : double(params_.photonsperpass) / paths;
   if (!(wanted_ & kVolumePhotons).isEmpty()) {
     const double r = params_.radius ? double{*params_.radius}
                                     : firstBeamRadius(pilot.photons, *scene_.volume(), perPass);
@@ -164,48 +193,74 @@ std::unique_ptr<BeamLookup> Pvpm::makeLookup(const OwnedBeams& beams, const Boun
 }
 
 /// Adds the radiance that the beams gather to their samples.
-void Pvpm::gather(const OwnedBeams& beams, const VolumePhotons& photons, const BeamLookup& lookup,
-                  CameraBeams& to, Stats& stats) const {
-  const std::vector<BeamSum> sums = gatherBeams(*scene_.volume(), beams, lookup, photons);
+void Pvpm::gather(const OwnedBeams& beams, const VolumePhotons& photons, const Bounds2i* image,
+                  CameraBeams& to, Stats& stats) {
+  if (beams.beams.empty()) return;
+  const std::vector<BeamSum> sums =
+      gatherBeams(*scene_.volume(), beams, *makeLookup(beams, image), photons);
   for (std::size_t i = 0; i < sums.size(); ++i) {
     const BeamOwner& owner = beams.owners[i];
     stats.add(Stat::PhotonBeamPairs, sums[i].count);
     to.samples[owner.sample].L += owner.weight * stats.checkRadiance(toRgb(sums[i]));
   }
+  shrinkPixelRadii(beams, sums);
+}
+
+/// Sets the radii of a pass; those of the global schedule go on to the next one.
+void Pvpm::prepareRadii(const PassContext& context, CameraBeamOptions& options) {
+  if (surfaceRadius_) {
+    options.surfaceRadius = static_cast<float>(std::sqrt(surfaceRadius_->radius2()));
+    surfaceRadius_->advance();
+  }
+  if (!beamRadius_) return;
+  if (params_.schedule == Schedule::Global) {
+    options.beamRadius = static_cast<float>(std::sqrt(beamRadius_->radius2()));
+    beamRadius_->advance();
+    return;
+  }
+  if (countedRadii_.empty()) {
+    const auto pixels = static_cast<std::size_t>(context.film.sampleBounds().area());
+    countedRadii_.assign(pixels, CountedRadius(std::sqrt(beamRadius_->radius2())));
+    pixelRadii_.resize(pixels);
+  }
+  for (std::size_t i = 0; i < pixelRadii_.size(); ++i)
+    pixelRadii_[i] = static_cast<float>(std::sqrt(countedRadii_[i].radius2()));
+  options.pixelRadii = pixelRadii_;
+}
+
+void Pvpm::shrinkPixelRadii(const OwnedBeams& beams, std::span<const BeamSum> sums) {
+  if (params_.schedule != Schedule::Beam) return;
+  for (std::size_t i = 0; i < sums.size(); ++i)
+    countedRadii_[beams.beams[i].pixel].shrink(static_cast<double>(sums[i].count),
+                                               double{params_.alpha});
 }
 
 bool Pvpm::renderPass(const PassContext& context, const std::function<void(double)>& onShare) {
   // Photons first, so that visible points gather them at once and need not be kept.
-  const PhotonSet photons = tracePhotons(context.seed, static_cast<std::uint64_t>(context.pass),
-                                         params_.photonsperpass, context.stop, context.stats);
-  if (!photons.isComplete) return false;
+  const PhotonSet traced =
+      kept_ ? PhotonSet{}
+            : tracePhotons(context.seed, static_cast<std::uint64_t>(context.pass),
+                           params_.photonsperpass, context.stop, context.stats);
+  if (!traced.isComplete) return false;
+  const std::vector<Photon>& photons = kept_ ? kept_->photons : traced.photons;
   onShare(0.3);
 
   CameraBeamOptions options;
   options.throughCentres = params_.fixedbeams;
   std::optional<SurfacePhotonMap> surface;
   if (surfaceRadius_) {
-    surface.emplace(photons.photons);
+    surface.emplace(std::span<const Photon>(photons));
     options.surface = &*surface;
-    options.surfaceRadius = static_cast<float>(std::sqrt(surfaceRadius_->radius2()));
-    surfaceRadius_->advance();
   }
-  if (beamRadius_) {
-    options.beamRadius = static_cast<float>(std::sqrt(beamRadius_->radius2()));
-    beamRadius_->advance();
-  }
+  prepareRadii(context, options);
   CameraBeams camera = traceCameraBeams(context, paths_, options);
   if (camera.samples.empty()) return false;
   onShare(0.6);
 
   if (beamRadius_) {
-    const VolumePhotons inMedium(*scene_.volume(), photons.photons);
-    if (!camera.primary.beams.empty())
-      gather(camera.primary, inMedium, *makeLookup(camera.primary, &camera.pixels), camera,
-             context.stats);
-    if (!camera.secondary.beams.empty())
-      gather(camera.secondary, inMedium, *makeLookup(camera.secondary, nullptr), camera,
-             context.stats);
+    const VolumePhotons inMedium(*scene_.volume(), photons);
+    gather(camera.primary, inMedium, &camera.pixels, camera, context.stats);
+    gather(camera.secondary, inMedium, nullptr, camera, context.stats);
     if (context.stop.load(std::memory_order_relaxed)) return false;
   }
   addToFilm(camera, context.film);
