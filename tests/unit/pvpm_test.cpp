@@ -112,7 +112,7 @@ TEST(Pvpm, RadiiOfSinglePixelsConvergeToTheSameImage) {
   // the bias, 5 % of a blurred image.
   const auto mean = [&](const std::string& schedule) {
     return meanOverSeeds(
-        scene("\"pvpm\" \"integer passes\" 32 \"integer photonsperpass\" 4000 \"float radius\" .1 "
+        scene("\"pvpm\" \"integer passes\" 32 \"integer photonsperpass\" 4000 \"float radius\" .2 "
               "\"string schedule\" \"" +
                   schedule + "\"",
               kPoint + kFog, 8, "0 0 -4 0 0 0 0 1 0", 6),
