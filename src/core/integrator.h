@@ -10,6 +10,7 @@
 #include "core/camera.h"
 #include "core/film.h"
 #include "core/params.h"
+#include "core/path_component.h"
 #include "core/ray.h"
 #include "core/sampler.h"
 #include "core/scene.h"
@@ -17,10 +18,14 @@
 
 namespace brume {
 
+struct Plan;
+
 /// What one thread changes while it renders.
 struct RenderContext {
   SampleStream& samples;
   Stats& stats;
+  /// Where radiance goes by the kind of its path, beside what is returned; null when nobody asked.
+  ComponentRadiance* components = nullptr;
 };
 
 /// What an integrator may use before the first camera ray, to trace photons and build maps.
@@ -53,6 +58,8 @@ class VolumeIntegrator {
   static constexpr std::string_view kPluginKind = "VolumeIntegrator";
   using FactoryContext = IntegratorFactoryContext;
   virtual ~VolumeIntegrator() = default;
+  /// Adds what is built for this scene, what is left out and what cannot be found, and why.
+  virtual void describe(Plan&) const {}
   /// Along (0, ray.tMax); tMax may be infinite.
   virtual VolumeRadiance integrate(const Ray& ray, RenderContext& context) const = 0;
   /// Tr alone: shadow rays and path segments.
@@ -66,6 +73,8 @@ class RayRadiance {
   virtual ~RayRadiance() = default;
   /// depth counts specular bounces so far, 0 for camera rays.
   virtual Rgb Li(const FootprintRay& ray, int depth, RenderContext& context) const = 0;
+  /// Whether Li fills RenderContext::components.
+  virtual bool splitsComponents() const { return false; }
 };
 
 /// The parts of the scene that a surface integrator works with.
@@ -85,6 +94,8 @@ class SurfaceIntegrator {
   /// Called once, before the first Li. Throws SceneError when the scene gives no ground to stand
   /// on.
   virtual void prepare(PrepareContext&) {}
+  /// Adds what is built for this scene, what is left out and what cannot be found, and why.
+  virtual void describe(Plan&) const {}
   /// Radiance leaving the hit towards the ray's origin, before attenuation on the way.
   virtual Rgb Li(const SurfaceQuery& query, RenderContext& context) const = 0;
 };
@@ -99,6 +110,8 @@ class GlobalIntegrator {
   /// Called once, before the first ray or pass. Throws SceneError when the scene gives no ground to
   /// stand on.
   virtual void prepare(PrepareContext&) {}
+  /// Adds what is built for this scene, what is left out and what cannot be found, and why.
+  virtual void describe(Plan&) const {}
 };
 
 /// A global integrator that answers per camera ray: the tile renderer runs it.

@@ -9,6 +9,13 @@ float lightWeight(const Rgb& c) {
   return Rgb(std::abs(c.r), std::abs(c.g), std::abs(c.b)).luminance();
 }
 
+LightBounds pointBounds(const Vec3& position, float weight) {
+  LightBounds bounds;
+  bounds.box = {position, position};
+  bounds.intensity = double{weight};
+  return bounds;
+}
+
 float boundedInverseSquare(const Vec3& position, const Bounds3& region) {
   // In double: squares of scene lengths from 1e-30 to 1e30 neither vanish nor overflow.
   const Vec3d nearest(max(region.lo, min(region.hi, position)));

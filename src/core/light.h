@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "core/interaction.h"
+#include "core/light_bounds.h"
 #include "core/params.h"
 #include "core/shape.h"
 
@@ -90,6 +91,8 @@ class Light {
   /// Largest plausible irradiance in the box, visibility ignored: the weight with which a light is
   /// chosen. Zero only when no light can arrive there.
   virtual float importance(const Bounds3& region) const = 0;
+  /// Bounds of place, direction and intensity; none for distant and infinite ones.
+  virtual std::optional<LightBounds> bounds() const { return std::nullopt; }
   /// Position [render space] around which the emission falls off with distance squared; none for
   /// distant and infinite ones.
   virtual std::optional<Vec3> position() const { return std::nullopt; }
@@ -135,6 +138,8 @@ inline Ball ballAround(const Bounds3& b) {
 /// The weight of a light's colour when lights are chosen: luminance of the absolute values, so that
 /// it vanishes only for black.
 float lightWeight(const Rgb& c);
+/// Bounds of a light at one point that shines in all directions with at most this intensity.
+LightBounds pointBounds(const Vec3& position, float weight);
 /// 1/d^2 [scene length^-2] from a position to the points of a region: the largest value, but no
 /// more than the mean over a ball of the region's size around the position, 3/R^2.
 float boundedInverseSquare(const Vec3& position, const Bounds3& region);

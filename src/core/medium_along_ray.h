@@ -44,6 +44,9 @@ class MediumAlongRay {
   /// Int exp(-tau(range.t0, t)) Le dt over the range: closed form where one volume is alone (all
   /// its coefficients share one density), elsewhere Gauss-Legendre with subdivision to below 1e-9.
   Rgb emission() const;
+  /// Int Le t^2 dt over the range, of the luminance, attenuation ignored: times 1 / totalEmission()
+  /// the density per solid angle, at the ray's origin, of directions to Volume::sampleEmission.
+  double secondMomentOfEmission() const;
   bool isEmpty() const { return spans_.empty(); }
   /// No sigma_s / sigma_t along the ray is larger, per channel.
   const Rgb& maxAlbedo() const { return maxAlbedo_; }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/interaction.h"
+#include "core/light_bounds.h"
 #include "core/params.h"
 #include "core/transform.h"
 
@@ -47,6 +48,8 @@ class Shape {
 
   virtual Bounds3 bounds() const = 0;
   virtual float area() const = 0;
+  /// Holds the normals of all points.
+  virtual DirectionCone normals() const { return {}; }
   /// Shapes made of triangles return their mesh and are intersected by Embree itself.
   virtual const TriangleMesh* mesh() const { return nullptr; }
   /// Other shapes: nearest hit with 0 < t < ray.tMax. The ray's direction need not be normalised.

@@ -139,6 +139,18 @@ TriangleMesh::Corners TriangleMesh::corners(std::uint32_t triangle) const {
   return {data_.points[i[0]], data_.points[i[1]], data_.points[i[2]]};
 }
 
+DirectionCone TriangleMesh::normals() const {
+  std::optional<DirectionCone> cone;
+  for (std::uint32_t i = 0; i < triangleCount() && !(cone && cone->isEverything()); ++i) {
+    const Corners c = corners(i);
+    const Plane plane(c.p0, c.p1, c.p2);
+    if (plane.isDegenerate()) continue;
+    const auto own = DirectionCone::around(Vec3(flipsNormal_ ? -plane.n : plane.n));
+    cone = cone ? unionOf(*cone, own) : own;
+  }
+  return cone.value_or(DirectionCone());
+}
+
 double TriangleMesh::triangleArea(std::uint32_t triangle) const {
   const Corners c = corners(triangle);
   return 0.5 * length(cross(Vec3d(c.p1) - Vec3d(c.p0), Vec3d(c.p2) - Vec3d(c.p0)));

@@ -43,6 +43,7 @@ class TriangleMesh : public Shape {
 
   Bounds3 bounds() const final { return bounds_; }
   float area() const final { return static_cast<float>(area_); }
+  DirectionCone normals() const final;
   const TriangleMesh* mesh() const final { return this; }
   bool canSample() const final { return area_ > 0; }
   SurfaceInteraction interaction(const Ray& ray, const ShapeHit& hit) const final;

@@ -11,6 +11,7 @@
 #include "core/phase.h"
 #include "core/ray.h"
 #include "core/rgb.h"
+#include "core/rng.h"
 #include "core/transform.h"
 
 namespace brume {
@@ -103,6 +104,11 @@ class Volume {
                                                   float depth) const = 0;
   /// Int_t0^t1 exp(-tau(t0, t)) Le(ray(t)) dt, tau of this volume alone.
   virtual Rgb emission(const Ray& ray, Interval range) const = 0;
+  /// Int Le dV over the region [W/sr], attenuation ignored.
+  virtual Rgb totalEmission() const = 0;
+  /// A point with the density Le(p) / totalEmission(), of the luminances, per world volume.
+  /// Requires isEmissive().
+  virtual Vec3 sampleEmission(Rng& rng) const = 0;
   /// Appends the medium inside range as pieces, empty parts left out. Those of one region come in
   /// order and do not overlap; a sum of volumes appends those of one after those of the other.
   virtual void appendPieces(const Ray& ray, Interval range,

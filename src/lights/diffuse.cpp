@@ -64,6 +64,9 @@ class DiffuseAreaLight final : public AreaLight {
     const float perDistance = area_ * inverseSquareTo(region);
     return lightWeight(L_) * 2 * kPi / (1 + 2 * kPi / perDistance);
   }
+  std::optional<LightBounds> bounds() const override {
+    return LightBounds{bounds_, shape_.normals(), 0, double{lightWeight(L_)} * double{area_}};
+  }
   std::optional<Vec3> position() const override { return bounds_.center(); }
   std::optional<LightEmission> sampleEmission(const Ball& target,
                                               const EmissionUniforms& u) const override;

@@ -58,6 +58,9 @@ class GoniometricLight final : public Light {
     return lightWeight(intensity_) * (map_ ? map_->maxWeight() : 1) *
            boundedInverseSquare(position_, region);
   }
+  std::optional<LightBounds> bounds() const override {
+    return pointBounds(position_, lightWeight(intensity_) * (map_ ? map_->maxWeight() : 1));
+  }
   std::optional<Vec3> position() const override { return position_; }
   std::optional<LightEmission> sampleEmission(const Ball& target,
                                               const EmissionUniforms& u) const override;

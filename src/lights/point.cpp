@@ -35,6 +35,9 @@ class PointLight final : public Light {
   float importance(const Bounds3& region) const override {
     return lightWeight(intensity_) * boundedInverseSquare(position_, region);
   }
+  std::optional<LightBounds> bounds() const override {
+    return pointBounds(position_, lightWeight(intensity_));
+  }
   std::optional<Vec3> position() const override { return position_; }
   std::optional<LightEmission> sampleEmission(const Ball& target,
                                               const EmissionUniforms& u) const override {

@@ -65,6 +65,15 @@ class ProjectionLight final : public Light {
     if (!hasScale_ && smallestOneMinusCos(position_, axis_, region) > edge_) return 0;
     return lightWeight(intensity_) * maxWeight_ * boundedInverseSquare(position_, region);
   }
+  std::optional<LightBounds> bounds() const override {
+    LightBounds b = pointBounds(position_, lightWeight(intensity_) * maxWeight_);
+    // An image deformed by a scale has no angle.
+    if (!hasScale_) {
+      b.axes = DirectionCone::around(axis_);
+      b.cosEmission = 1 - edge_;
+    }
+    return b;
+  }
   std::optional<Vec3> position() const override { return position_; }
   std::optional<LightEmission> sampleEmission(const Ball& target,
                                               const EmissionUniforms& u) const override;

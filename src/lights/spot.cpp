@@ -76,6 +76,15 @@ class SpotLight final : public Light {
     const float f = hasScale_ ? 1 : falloff(smallestOneMinusCos(position_, axis_, region));
     return lightWeight(intensity_) * boundedInverseSquare(position_, region) * f;
   }
+  std::optional<LightBounds> bounds() const override {
+    LightBounds b = pointBounds(position_, lightWeight(intensity_));
+    // A cone deformed by a scale has no angle.
+    if (!hasScale_) {
+      b.axes = DirectionCone::around(axis_);
+      b.cosEmission = 1 - edge_;
+    }
+    return b;
+  }
   std::optional<Vec3> position() const override { return position_; }
   Interval illuminated(const Ray& ray, Interval range) const override;
   std::optional<LightEmission> sampleEmission(const Ball& target,

@@ -134,18 +134,22 @@ void RenderJob::Parts::makeIntegrators(RenderOptions& options, PluginFactory& fa
     BRUME_CHECK(radiance != nullptr || passes != nullptr);
     plan.build(fmt::format("global integrator \"{}\"", options.globalIntegrator->name),
                "it replaces surface and volume integrator");
+    global->describe(plan);
     return;
   }
 
   surface = factory.make<SurfaceIntegrator>(options.surfaceIntegrator, context);
   plan.build(fmt::format("surface integrator \"{}\"", options.surfaceIntegrator.name));
+  surface->describe(plan);
   // The volume integrator is made even when it is skipped, so that its parameters are checked.
   media = factory.make<VolumeIntegrator>(options.volumeIntegrator, context);
   const std::string what = fmt::format("volume integrator \"{}\"", options.volumeIntegrator.name);
-  if (scene->volume())
+  if (scene->volume()) {
     plan.build(what);
-  else
+    media->describe(plan);
+  } else {
     plan.skip(what, "the scene has no Volume");
+  }
   const VolumeIntegrator& used = scene->volume() ? *media : clearMedia;
   joined = std::make_unique<CameraRadiance>(*scene, *surface, used);
   radiance = joined.get();

@@ -35,6 +35,8 @@ class Disk final : public Quadric {
               context.where);
   }
 
+  DirectionCone normals() const override { return DirectionCone::around(sampleArea(Vec2(0.5f)).n); }
+
  private:
   Roots roots(const Vec3d& o, const Vec3d& d) const override {
     return {(height_ - o.z) / d.z, std::numeric_limits<double>::infinity()};

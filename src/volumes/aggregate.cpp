@@ -54,6 +54,25 @@ class Aggregate final : public Volume {
     return isEmissive() ? lookUp(ray, range).emission() : Rgb();
   }
 
+  Rgb totalEmission() const override {
+    Rgb sum;
+    for (const Volume* v : volumes_) sum += v->totalEmission();
+    return sum;
+  }
+
+  Vec3 sampleEmission(Rng& rng) const override {
+    // One volume by its share.
+    double rest = rng.uniformDouble() * double{totalEmission().luminance()};
+    const Volume* chosen = nullptr;
+    for (const Volume* v : volumes_) {
+      if (!v->isEmissive()) continue;
+      chosen = v;
+      rest -= double{v->totalEmission().luminance()};
+      if (rest < 0) break;
+    }
+    return chosen->sampleEmission(rng);
+  }
+
   void appendPieces(const Ray& ray, Interval range,
                     std::vector<MediumPiece>& pieces) const override {
     for (const Volume* v : volumes_) v->appendPieces(ray, range, pieces);

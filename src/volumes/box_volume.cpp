@@ -54,6 +54,12 @@ BoxVolume::BoxVolume(const VolumeParams& params, const FactoryContext& context)
 
 Bounds3 BoxVolume::bounds() const { return volumeToWorld_.bounds({Vec3(lo_), Vec3(hi_)}); }
 
+double BoxVolume::worldIntegral() const {
+  if (isFlat_) return 0;
+  const glm::dmat3 linear(volumeToWorld_.matrix());
+  return totalDensity() * std::abs(dot(linear[0], cross(linear[1], linear[2])));
+}
+
 LocalRay BoxVolume::toLocal(const Ray& ray) const {
   const Mat4d& m = volumeToWorld_.inverseMatrix();
   return {transformed(m, ray.o, 1), transformed(m, ray.d, 0)};

@@ -41,6 +41,12 @@ class BoxVolume : public Volume {
   std::optional<float> invertOpticalDepth(const Ray& ray, Interval range, int channel,
                                           float depth) const final;
   Rgb emission(const Ray& ray, Interval range) const final;
+  Rgb totalEmission() const final {
+    return isEmissive() ? unit_.Le * static_cast<float>(worldIntegral()) : Rgb();
+  }
+  Vec3 sampleEmission(Rng& rng) const final {
+    return volumeToWorld_.point(Vec3(sampleDensity(rng)));
+  }
   void appendPieces(const Ray& ray, Interval range, std::vector<MediumPiece>& pieces) const final;
   bool isClosedForm() const override { return true; }
   bool isEmissive() const final { return !unit_.Le.isBlack() && maxDensity() > 0; }
@@ -72,6 +78,9 @@ class BoxVolume : public Volume {
   /// Pieces with t0, t1, form and c; the caller adds the rest.
   virtual void appendDensity(const LocalRay& ray, IntervalD range,
                              std::vector<MediumPiece>& pieces) const = 0;
+  /// Int density over the box, asked for of emissive media only; and a point drawn from it.
+  virtual double totalDensity() const = 0;
+  virtual Vec3d sampleDensity(Rng& rng) const = 0;
   /// range without empty ends; none when all of it is empty.
   virtual std::optional<IntervalD> tighten(const LocalRay&, IntervalD range) const { return range; }
 
@@ -79,6 +88,8 @@ class BoxVolume : public Volume {
   const Vec3d& boxHi() const { return hi_; }
 
  private:
+  /// Int density over the region of render space.
+  double worldIntegral() const;
   LocalRay toLocal(const Ray& ray) const;
   std::optional<IntervalD> clip(const LocalRay& ray, Interval range) const;
 

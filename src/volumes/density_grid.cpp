@@ -91,6 +91,46 @@ double DensityGrid::density(const Vec3d& w) const {
   return CellCorners(*this, cell).at(f);
 }
 
+DensityGrid::Sampler::Sampler(const DensityGrid& grid) {
+  const auto rowLength = static_cast<std::size_t>(grid.size_[0]);
+  rowsUpTo_.reserve(grid.voxels_.size() / rowLength);
+  double sum = 0;
+  for (std::size_t begin = 0; begin < grid.voxels_.size(); begin += rowLength) {
+    for (std::size_t i = 0; i < rowLength; ++i) sum += double{grid.voxels_[begin + i]};
+    rowsUpTo_.push_back(sum);
+  }
+}
+
+Vec3d DensityGrid::Sampler::sample(const DensityGrid& grid, Rng& rng) const {
+  // A row, then a voxel in it: the last one that is not empty where rounding left something.
+  const double target = rng.uniformDouble() * total();
+  const auto row = static_cast<std::size_t>(
+      std::upper_bound(rowsUpTo_.begin(), rowsUpTo_.end() - 1, target) - rowsUpTo_.begin());
+  const Cell& n = grid.size_;
+  const float* voxels = grid.voxels_.data() + row * static_cast<std::size_t>(n[0]);
+  double rest = target - (row == 0 ? 0 : rowsUpTo_[row - 1]);
+  std::int32_t x = 0;
+  for (std::int32_t i = 0; i < n[0]; ++i) {
+    if (voxels[i] == 0) continue;
+    x = i;
+    rest -= double{voxels[i]};
+    if (rest < 0) break;
+  }
+
+  const auto rowIndex = static_cast<std::int32_t>(row);
+  const Cell voxel{x, rowIndex % n[1], rowIndex / n[1]};
+  Vec3d w;
+  for (int a = 0; a < 3; ++a) {
+    // The sum of two uniform numbers has a tent for its density; where the voxel lies at a border,
+    // its outer half is spread evenly over half a voxel.
+    const double offset = rng.uniformDouble() + rng.uniformDouble();
+    w[a] = voxel[a] + offset;
+    if (voxel[a] == 0 && offset < 1) w[a] = 0.5 + 0.5 * offset * offset;
+    if (voxel[a] == n[a] - 1 && offset >= 1) w[a] = n[a] + 0.5 - 0.5 * sqr(2 - offset);
+  }
+  return w;
+}
+
 DensityGrid::CellCorners::CellCorners(const DensityGrid& grid, const Cell& cell) {
   const Cell& n = grid.size_;
   std::size_t index[3][2];

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "core/math.h"
+#include "core/rng.h"
 
 namespace brume {
 
@@ -56,6 +57,20 @@ class DensityGrid {
 
    private:
     double v_[8];  // bit 0: x, bit 1: y, bit 2: z
+  };
+
+  /// Draws points of lattice space in proportion to the density. The interpolant is a sum of one
+  /// tent per voxel, flattened at the borders, each of volume 1: a voxel is drawn by its value,
+  /// then a point under its tent.
+  class Sampler {
+   public:
+    explicit Sampler(const DensityGrid& grid);
+    /// Sum of the voxels: Int density over the box, in lattice units.
+    double total() const { return rowsUpTo_.back(); }
+    Vec3d sample(const DensityGrid& grid, Rng& rng) const;
+
+   private:
+    std::vector<double> rowsUpTo_;  // sums of the voxels of all rows along x up to each
   };
 
   /// Position in a cell, clamped to it.

@@ -83,7 +83,35 @@ class Exponential final : public BoxVolume {
                       nullptr});
   }
 
+  // The density is a product of three exponentials, one along each axis of the box.
+  double totalDensity() const override {
+    double product = a_ * std::exp(-b_ * exponentOfPeak());
+    for (int i = 0; i < 3; ++i) {
+      const double length = boxHi()[i] - boxLo()[i];
+      product *= length * exponentialMean(std::abs(b_ * up_[i]) * length);
+    }
+    return product;
+  }
+  Vec3d sampleDensity(Rng& rng) const override {
+    Vec3d p;
+    for (int i = 0; i < 3; ++i) {
+      const double length = boxHi()[i] - boxLo()[i], k = std::abs(b_ * up_[i]);
+      // From the denser end; the exponential distribution cut off at the other one.
+      const double u = rng.uniformDouble();
+      const double s = k * length > 0 ? -std::log1p(u * std::expm1(-k * length)) / k : u * length;
+      p[i] = std::clamp(b_ * up_[i] >= 0 ? boxLo()[i] + s : boxHi()[i] - s, boxLo()[i], boxHi()[i]);
+    }
+    return p;
+  }
+
  private:
+  /// h where the density is largest.
+  double exponentOfPeak() const {
+    double h = 0;
+    for (int i = 0; i < 3; ++i)
+      if (b_ * up_[i] < 0) h += up_[i] * (boxHi()[i] - boxLo()[i]);
+    return h;
+  }
   double rate(const LocalRay& ray) const { return b_ * dot(ray.d, up_); }
   /// The s with Int_0^s exp(-k u) du = x, for k >= 0: -log(1 - k x) / k.
   static double stretch(double k, double x) {

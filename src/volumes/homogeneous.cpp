@@ -27,6 +27,15 @@ class Homogeneous final : public BoxVolume {
                      std::vector<MediumPiece>& pieces) const override {
     pieces.push_back({MediumPiece::Form::Exponential, range.t0, range.t1, {1, 0}, nullptr});
   }
+  double totalDensity() const override {
+    const Vec3d size = boxHi() - boxLo();
+    return size.x * size.y * size.z;
+  }
+  Vec3d sampleDensity(Rng& rng) const override {
+    Vec3d p;
+    for (int a = 0; a < 3; ++a) p[a] = boxLo()[a] + (boxHi()[a] - boxLo()[a]) * rng.uniformDouble();
+    return p;
+  }
 };
 
 const RegisterPlugin<Volume, Homogeneous> kRegistration{"homogeneous", Origin::PbrtV2,

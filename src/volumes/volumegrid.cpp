@@ -48,6 +48,7 @@ class VolumeGrid final : public BoxVolume {
       : BoxVolume(params, context),
         grid_(takeGrid(std::move(params.density), params.nx, params.ny, params.nz, context.where)) {
     for (int a = 0; a < 3; ++a) toLattice_[a] = grid_.size()[a] / (boxHi()[a] - boxLo()[a]);
+    if (isEmissive()) emission_.emplace(grid_);
   }
 
   bool isClosedForm() const override { return false; }
@@ -98,6 +99,15 @@ class VolumeGrid final : public BoxVolume {
                });
   }
 
+  double totalDensity() const override {
+    return emission_ ? emission_->total() / (toLattice_.x * toLattice_.y * toLattice_.z) : 0;
+  }
+  Vec3d sampleDensity(Rng& rng) const override {
+    const Vec3d p = boxLo() + (emission_->sample(grid_, rng) - Vec3d(0.5)) / toLattice_;
+    return {std::clamp(p.x, boxLo().x, boxHi().x), std::clamp(p.y, boxLo().y, boxHi().y),
+            std::clamp(p.z, boxLo().z, boxHi().z)};
+  }
+
   std::optional<IntervalD> tighten(const LocalRay& ray, IntervalD range) const override {
     std::optional<IntervalD> occupied;
     grid_.walk(latticeRay(ray), range.t0, range.t1, 1,
@@ -132,6 +142,7 @@ class VolumeGrid final : public BoxVolume {
 
   DensityGrid grid_;
   Vec3d toLattice_;
+  std::optional<DensityGrid::Sampler> emission_;  // where the medium emits
 };
 
 const RegisterPlugin<Volume, VolumeGrid> kRegistration{

@@ -28,6 +28,9 @@ class TestPointLight final : public Light {
   }
   Rgb power() const override { return s_.I * (4 * kPi); }
   float importance(const Bounds3&) const override { return s_.I.maxChannel(); }
+  std::optional<LightBounds> bounds() const override {
+    return pointBounds(s_.from, s_.I.maxChannel());
+  }
   std::optional<Vec3> position() const override { return s_.from; }
 
  private:

@@ -5,9 +5,14 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "core/integrator.h"
+#include "core/log.h"
 #include "core/parallel.h"
+#include "core/rng.h"
 #include "support/adding_doubling.h"
 #include "support/estimate.h"
+#include "support/make_plugin.h"
+#include "support/media_scene.h"
 #include "support/render_text.h"
 
 namespace brume {
@@ -134,6 +139,61 @@ TEST(VolPath, OneScatteringIsSingleScattering) {
   const double single = static_cast<double>(meanOf(renderText(other).image).g);
   EXPECT_LT(std::abs(e.z(single)), kMaxZ) << e.mean << " against " << single;
   EXPECT_LT(e.standardError, 0.02 * single);
+}
+
+TEST(VolPath, ComponentsArePartsOfTheWhole) {
+  // A glass ball in fog between a floor and a mirror, lit by an area light: every component occurs.
+  Log log({Verbosity::Verbose, false, true});
+  const auto job = makeJob(
+      scene(kFromOutside,
+            "AttributeBegin AreaLightSource \"area\" \"color L\" [20 20 20]\n"
+            "Translate 0 3 0 Shape \"sphere\" \"float radius\" .3 AttributeEnd\n"
+            "AttributeBegin Material \"glass\" Translate 0 1.2 0 Shape \"sphere\" \"float radius\" "
+            ".5 AttributeEnd\n"
+            "Material \"matte\" Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3]\n"
+            "  \"point P\" [-9 -1 -9  -9 -1 9  9 -1 9  9 -1 -9]\n"
+            "Volume \"homogeneous\" \"color sigma_s\" [.3 .3 .3] \"color Le\" [.01 .01 .01]\n"
+            "  \"point p0\" [-3 -1 -3] \"point p1\" [3 3 3]\n",
+            1),
+      {}, log);
+  IntegratorFactoryContext factory;
+  factory.scene = &job->scene();
+  const auto volpath = test::make<GlobalIntegrator>("volpath", {}, factory);
+  const auto& rays = dynamic_cast<const RayRadiance&>(*volpath);
+  ASSERT_TRUE(rays.splitsComponents());
+
+  test::StratifiedStream stream(7);
+  Stats stats;
+  Rng rng(8);
+  ComponentRadiance sums;
+  for (int i = 0; i < 4000; ++i) {
+    ComponentRadiance components;
+    RenderContext context{stream, stats, &components};
+    const FootprintRay ray(
+        Ray(Vec3(0, 1, 6), normalize(Vec3(rng.uniform() - .5f, rng.uniform() - .7f, -1))));
+    const Rgb L = rays.Li(ray, 0, context);
+    // The same sums in another order.
+    EXPECT_NEAR(components.total().g, L.g, 1e-5f * L.g);
+    for (int c = 0; c < kPathComponents; ++c)
+      sums.add(PathComponent(c), components[PathComponent(c)]);
+  }
+  for (int c = 0; c < kPathComponents; ++c)
+    EXPECT_GT(sums[PathComponent(c)].g, 0) << componentName(PathComponent(c));
+}
+
+TEST(VolPath, SaysWhatItCannotFind) {
+  const std::string point = "LightSource \"point\"\n",
+                    glass = "Material \"glass\" Shape \"sphere\"\n";
+  const auto warns = [](const std::string& world) {
+    Log log({Verbosity::Verbose, false, true});
+    const auto job = makeJob(scene(kFromOutside, world, 1), {}, log);
+    for (const std::string& line : job->plan())
+      if (line.starts_with("skip  light without extent through glass")) return true;
+    return false;
+  };
+  EXPECT_TRUE(warns(point + glass));
+  EXPECT_FALSE(warns(point + "Shape \"sphere\"\n"));
+  EXPECT_FALSE(warns(kSky + glass));
 }
 
 TEST(VolPath, SurfacesWithoutMediaArePathTraced) {

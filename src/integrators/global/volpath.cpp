@@ -2,13 +2,15 @@
 #include "core/bsdf.h"
 #include "core/integrator.h"
 #include "core/medium_along_ray.h"
+#include "core/plan.h"
 #include "core/registry.h"
 #include "core/sampling.h"
 #include "transport/direct_light.h"
 #include "transport/distance_sampling.h"
-#include "transport/light_choice.h"
-#include "transport/light_grid.h"
+#include "transport/emission_sampling.h"
+#include "transport/light_tree.h"
 #include "transport/specular.h"
+#include "transport/towards_lights.h"
 
 namespace brume {
 namespace {
@@ -20,6 +22,94 @@ constexpr int kRouletteStart = 4;
 constexpr int kLongPath = 100'000;
 constexpr float kLongPathSurvival = 0.99f;
 
+/// Lights of the scene that are seen from one point only, and whose light falls off from there.
+std::vector<const Light*> pointLights(const Scene& scene) {
+  std::vector<const Light*> result;
+  for (const Light* light : emittingLights(scene))
+    if (light->isDelta() && light->position()) result.push_back(light);
+  return result;
+}
+
+/// One segment of a path in the media, with the probability of each channel to draw the distance.
+struct Segment {
+  MediumAlongRay medium;
+  Rgb channels;
+
+  /// Density of free flights at t [1/length]: the mean over the channels that may draw them.
+  float flightPdf(float t) const {
+    const Rgb density = channels * medium.at(t).sigma_t() * medium.transmittance(t);
+    return density.r + density.g + density.b;
+  }
+};
+
+/// A direction in which a path goes on.
+struct Outgoing {
+  FootprintRay ray;
+  Rgb weight;     ///< scattering function times cosine [1/sr], or the whole weight if specular
+  float pdf = 0;  ///< per solid angle
+  bool isSpecular = false;
+};
+
+/// A collision in a medium, as a vertex of a path: scatters by the phase function.
+class MediumVertex {
+ public:
+  static constexpr Scattering kScattering = Scattering::Medium;
+  /// `carried`: the path's throughput, sigma_s included.
+  MediumVertex(const Scene& scene, const Ray& ray, float t, const Rgb& carried)
+      : volume_(*scene.volume()), p_(ray(t)), wo_(-ray.d), carried_(carried), time_(ray.time) {}
+
+  const Vec3& p() const { return p_; }
+  PointReceiver receiver() const { return PointReceiver(p_); }
+  bool seesLights() const { return true; }
+  Ray spawn(const Vec3& wi) const { return {p_, wi, kInfinity, time_}; }
+  Ray shadowRay(const LightSample& light) const { return Scene::shadowRay(p_, time_, light); }
+  BsdfValue evaluate(const Vec3& wi) const {
+    const Rgb phase = volume_.phase(p_, wo_, wi);
+    return {phase, phasePdf(phase, carried_)};
+  }
+  std::optional<Outgoing> sample(const FootprintRay&, float uLobe, Vec2 u) const {
+    const ScatterSample s = volume_.samplePhase(p_, wo_, carried_, uLobe, u);
+    return Outgoing{FootprintRay(spawn(s.wi)), s.value, s.pdf};
+  }
+
+ private:
+  const Volume& volume_;
+  Vec3 p_, wo_;
+  Rgb carried_;
+  float time_;
+};
+
+/// A point on a surface, as a vertex of a path: scatters by the BSDF.
+class SurfaceVertex {
+ public:
+  static constexpr Scattering kScattering = Scattering::Surface;
+  explicit SurfaceVertex(const SurfaceInteraction& at) : at_(at) {
+    at.material->evaluate(at, bsdf_);
+  }
+
+  const Vec3& p() const { return at_.p; }
+  PointReceiver receiver() const { return {at_.p, at_.n}; }
+  bool seesLights() const { return !bsdf_.isSpecularOnly(); }
+  Ray spawn(const Vec3& wi) const { return at_.spawnRay(wi); }
+  Ray shadowRay(const LightSample& light) const { return Scene::shadowRay(at_, light); }
+  BsdfValue evaluate(const Vec3& wi) const {
+    BsdfValue value = bsdf_.evaluate(at_.wo, wi);
+    value.f *= absDot(wi, bsdf_.shadingNormal());
+    return value;
+  }
+  std::optional<Outgoing> sample(const FootprintRay& arriving, float uLobe, Vec2 u) const {
+    const auto s = bsdf_.sample(at_.wo, uLobe, u);
+    if (!s) return std::nullopt;
+    const Rgb f = s->f * absDot(s->wi, bsdf_.shadingNormal());
+    if (!s->isSpecular()) return Outgoing{FootprintRay(spawn(s->wi)), f, s->pdf};
+    return Outgoing{specularRay(arriving, at_, bsdf_.shadingNormal(), *s), f, s->pdf, true};
+  }
+
+ private:
+  const SurfaceInteraction& at_;
+  Bsdf bsdf_;
+};
+
 /// Volumetric path tracing: all light, over any number of scatterings at surfaces and in media. The
 /// judge of the other methods.
 ///   L(o,w) = Int_0^s Tr(t) [Le(t) + sigma_s(t) Int f_p L(x_t,w') dw'] dt + Tr(s) L_surface
@@ -27,26 +117,38 @@ constexpr float kLongPathSurvival = 0.99f;
 /// On every segment the emission of the media and the light of the surface or sky behind are added
 /// in full, by their exact attenuation; then one free flight, drawn by inversion of the exact
 /// optical depth, decides where the path goes on: in the medium, or at the surface. At every vertex
-/// one light is sampled, and the ray that goes on finds light as well; both are weighted by the
-/// power heuristic. Lights without extent are moreover seen from an equiangular distance of every
-/// segment (Kulla, Fajardo 2012). Chromatic media: the channel that draws the distance is chosen by
-/// throughput, and the weight divides by the mean of the channels' densities, so that it stays
-/// bounded. Unbiased. What it cannot find: light of a point, spot, distant or projection light that
-/// arrives through glass or off a mirror. Source: Novak et al. 2018, Monte Carlo Methods for
-/// Volumetric Light Transport Simulation. Test: volpath_test.
+/// one light is sampled, emitting media among them, and the ray that goes on finds light as well;
+/// both are weighted by the power heuristic. Lights without extent are moreover seen from an
+/// equiangular distance of every segment (Kulla, Fajardo 2012), and some directions are drawn
+/// around those inside media, so that their surroundings have finite variance. Chromatic media: the
+/// channel that draws the distance is chosen by throughput, and the weight divides by the mean of
+/// the channels' densities, so that it stays bounded. Unbiased. What it cannot find: light of a
+/// point, spot, distant or projection light that arrives through glass or off a mirror. Source:
+/// Novak et al. 2018, Monte Carlo Methods for Volumetric Light Transport Simulation. Test:
+/// volpath_test.
 class VolPath final : public RayGlobalIntegrator {
  public:
+  enum class LightsBy { Tree, Even };
   struct Params {
     std::optional<int> maxdepth;
+    LightsBy lights = LightsBy::Tree;
+    bool equiangular = true, towardslights = true, emissionsampling = true;
     void visit(ParamVisitor& v) {
       v(maxdepth, "maxdepth", kNonNegativeInt, Unit::None,
         "most scatterings of a path, at surfaces and in media; unlimited when not given");
+      v(lights, "lights", {{"tree", LightsBy::Tree}, {"even", LightsBy::Even}},
+        "how the light that a vertex looks at is chosen: by what it sends there, or evenly");
+      v(equiangular, "equiangular",
+        "look at point lights from a distance of every segment drawn by angle");
+      v(towardslights, "towardslights", "draw some directions around point lights in media");
+      v(emissionsampling, "emissionsampling", "look at emitting media as at lights");
     }
   };
-  VolPath(Params params, const FactoryContext& context)
-      : params_(params), scene_(*context.scene), grid_(scene_), segmentLights_(scene_.lights()) {}
+  VolPath(Params params, const FactoryContext& context);
 
   Rgb Li(const FootprintRay& cameraRay, int depth, RenderContext& context) const override;
+  bool splitsComponents() const override { return true; }
+  void describe(Plan& plan) const override;
 
  private:
   /// How the last vertex chose the direction of the present ray.
@@ -55,45 +157,70 @@ class VolPath final : public RayGlobalIntegrator {
         false;      ///< the vertex sampled the lights as well (not: camera, specular bounce)
     float pdf = 0;  ///< of the direction, per solid angle
     Vec3 from{0};
+    PointReceiver receiver{Vec3(0)};
   };
   struct PathState {
     FootprintRay ray;
     Arrival arrival;
     Rgb L, throughput{1.f};
     int scatterings = 0;
+    PathComponent component = PathComponent::Emission;  ///< of light that the present ray meets
   };
-
-  bool mayScatter(const PathState& path) const {
-    return !params_.maxdepth || path.scatterings < *params_.maxdepth;
-  }
-  Rgb lightBehind(const PathState& path, const std::optional<SurfaceInteraction>& hit) const;
   /// A free flight: where it ends, if in the medium, and with which density [1/length].
   struct Flight {
     std::optional<float> t;
     float pdf = 0;
   };
-  /// One segment in the media, and the lights with a position that shine on it.
-  struct Segment {
-    MediumAlongRay medium;
-    Rgb channels;  ///< probability of each channel to draw the distance
-    LightChoice::Choices lights;
-  };
-  static float flightPdf(const Segment& segment, float t);
-  static float equiangularPdf(const Segment& segment, const Light& light, float t);
+  using Towards = TowardsLights::Directions;
+
+  static void addLight(PathState& path, PathComponent component, const Rgb& L,
+                       RenderContext& context) {
+    path.L += L;
+    if (context.components) context.components->add(component, L);
+  }
+  bool mayScatter(const PathState& path) const {
+    return !params_.maxdepth || path.scatterings < *params_.maxdepth;
+  }
+  Rgb transmittance(const Ray& ray) const {
+    return scene_.volume() ? scene_.volume()->transmittance(ray) : Rgb(1.f);
+  }
+  Rgb lightBehind(const PathState& path, const std::optional<SurfaceInteraction>& hit) const;
+  float emissionWeight(const PathState& path, const MediumAlongRay& medium) const;
+  float equiangularPdf(const Segment& segment, const Light& light, float t) const;
   Rgb equiangularLight(const PathState& path, const Segment& segment, RenderContext& context) const;
   static Flight sampleFlight(PathState& path, const Segment& segment, RenderContext& context);
-  Rgb transmittance(const Ray& ray) const;
-  bool scatterInMedium(PathState& path, const Segment& segment, const Flight& flight,
-                       RenderContext& context) const;
-  bool scatterAtSurface(PathState& path, const SurfaceInteraction& at,
-                        RenderContext& context) const;
+  template <class Vertex, class PointWeight>
+  Rgb sampleLight(const Vertex& vertex, const Towards& towards, PointWeight&& pointWeight,
+                  RenderContext& context) const;
+  template <class Vertex>
+  Rgb sampleEmission(const Vertex& vertex, const Towards& towards, float choice, Vec2 u,
+                     RenderContext& context) const;
+  template <class Vertex>
+  static std::optional<Outgoing> sampleDirection(const Vertex& vertex, const Towards& towards,
+                                                 const FootprintRay& ray, RenderContext& context);
+  template <class Vertex, class PointWeight>
+  bool scatter(PathState& path, const Vertex& vertex, PointWeight&& pointWeight,
+               RenderContext& context) const;
   bool survives(PathState& path, RenderContext& context) const;
 
   Params params_;
   const Scene& scene_;
-  LightGrid grid_;
-  LightChoice segmentLights_;
+  EmissionSampler emission_;
+  TowardsLights towards_;
+  LightTree lights_;       // for vertices
+  LightTree pointLights_;  // for segments
 };
+
+VolPath::VolPath(Params params, const FactoryContext& context)
+    : params_(params),
+      scene_(*context.scene),
+      emission_(scene_),
+      towards_(scene_),
+      lights_(emittingLights(scene_),
+              {params.emissionsampling && !emission_.isEmpty() ? std::optional(emission_.bounds())
+                                                               : std::nullopt,
+               params.lights == LightsBy::Even ? 1 : 0.1}),
+      pointLights_(pointLights(scene_), {{}, params.lights == LightsBy::Even ? 1 : 0.1}) {}
 
 /// Emission of the surface that the ray meets, or of the sky, weighted against the sampling of
 /// lights at the last vertex.
@@ -103,14 +230,14 @@ Rgb VolPath::lightBehind(const PathState& path,
   if (hit) {
     const Rgb Le = emittedRadiance(*hit);
     if (Le.isBlack() || !from.lightIsSampled) return Le;
-    const float choice = grid_.probability(from.from, hit->areaLight);
+    const float choice = lights_.probability(from.receiver, hit->areaLight);
     if (!(choice > 0)) return Le;  // a light inside an object instance is never sampled
     return Le * powerHeuristic(from.pdf, choice * hit->areaLight->pdfLiAt(from.from, path.ray.d,
                                                                           hit->p, hit->n));
   }
   Rgb L;
   for (const Light* light : scene_.infiniteLights()) {
-    const float lightPdf = from.lightIsSampled ? grid_.probability(from.from, light) *
+    const float lightPdf = from.lightIsSampled ? lights_.probability(from.receiver, light) *
                                                      light->pdfLi(from.from, path.ray.d)
                                                : 0.f;
     L += light->Le(path.ray) * (lightPdf > 0 ? powerHeuristic(from.pdf, lightPdf) : 1.f);
@@ -118,24 +245,21 @@ Rgb VolPath::lightBehind(const PathState& path,
   return L;
 }
 
-Rgb VolPath::transmittance(const Ray& ray) const {
-  return scene_.volume() ? scene_.volume()->transmittance(ray) : Rgb(1.f);
-}
-
-/// Density of free flights at t: the mean over the channels that may draw them.
-float VolPath::flightPdf(const Segment& segment, float t) {
-  const Rgb density =
-      segment.channels * segment.medium.at(t).sigma_t() * segment.medium.transmittance(t);
-  return density.r + density.g + density.b;
+/// Of the media's emission along the present ray, against looking at it from the last vertex.
+float VolPath::emissionWeight(const PathState& path, const MediumAlongRay& medium) const {
+  if (!path.arrival.lightIsSampled || !params_.emissionsampling) return 1;
+  const float choice = lights_.probability(path.arrival.receiver, nullptr);
+  return powerHeuristic(path.arrival.pdf, choice * emission_.pdf(path.ray, medium));
 }
 
 /// Density with which equiangularLight looks at this light from t, its choice included.
-float VolPath::equiangularPdf(const Segment& segment, const Light& light, float t) {
-  for (const auto& chosen : segment.lights.all())
-    if (chosen.light == &light && t >= chosen.illuminated.t0 && t <= chosen.illuminated.t1)
-      return chosen.probability *
-             EquiangularSampler(segment.medium.ray(), chosen.illuminated, *light.position()).pdf(t);
-  return 0;
+float VolPath::equiangularPdf(const Segment& segment, const Light& light, float t) const {
+  if (!params_.equiangular || !light.position()) return 0;
+  const Ray& ray = segment.medium.ray();
+  const Interval range = segment.medium.range(), part = light.illuminated(ray, range);
+  if (part.isEmpty() || !(t >= part.t0 && t <= part.t1)) return 0;
+  return pointLights_.probability(RayReceiver(ray, range), &light) *
+         EquiangularSampler(ray, part, *light.position()).pdf(t);
 }
 
 /// Light of a source with a position, scattered at a distance that is drawn evenly in the angle
@@ -144,26 +268,28 @@ float VolPath::equiangularPdf(const Segment& segment, const Light& light, float 
 /// heuristic against the light that is sampled at the end of the free flight.
 Rgb VolPath::equiangularLight(const PathState& path, const Segment& segment,
                               RenderContext& context) const {
+  if (!params_.equiangular || pointLights_.isEmpty()) return {};
   const float uChoice = context.samples.get1D(), uDistance = context.samples.get1D();
-  if (segment.lights.isEmpty()) return {};
-  const auto& chosen = segment.lights.choose(uChoice);
-  if (!chosen.light->isDelta() || !chosen.light->position()) return {};
+  const Interval range = segment.medium.range();
+  const auto choice = pointLights_.choose(RayReceiver(path.ray, range), uChoice);
+  if (!choice) return {};
+  const Interval part = choice->light->illuminated(path.ray, range);
+  if (part.isEmpty()) return {};
   const DistanceSample at =
-      EquiangularSampler(path.ray, chosen.illuminated, *chosen.light->position()).sample(uDistance);
+      EquiangularSampler(path.ray, part, *choice->light->position()).sample(uDistance);
   const MediumCoefficients medium = segment.medium.at(at.t);
   if (!(at.pdf > 0) || medium.sigma_s.isBlack()) return {};
 
   context.stats.add(Stat::VolumeSamples);
-  const Vec3 p = path.ray(at.t);
-  const auto light = chosen.light->sampleLi(p, Vec2(.5f));
+  const MediumVertex vertex(scene_, path.ray, at.t, path.throughput * medium.sigma_s);
+  const auto light = choice->light->sampleLi(vertex.p(), Vec2(.5f));
   if (!light || light->L.isBlack()) return {};
-  const Ray shadow = Scene::shadowRay(p, path.ray.time, *light);
+  const Ray shadow = vertex.shadowRay(*light);
   if (scene_.isOccluded(shadow, context.stats)) return {};
-  const Rgb phase = scene_.volume()->phase(p, -path.ray.d, light->wi);
-  const float pdf =
-      chosen.probability * at.pdf + grid_.probability(p, chosen.light) * flightPdf(segment, at.t);
+  const float pdf = choice->probability * at.pdf +
+                    lights_.probability(vertex.receiver(), choice->light) * segment.flightPdf(at.t);
   return path.throughput * segment.medium.transmittance(at.t) * medium.sigma_s * light->L *
-         transmittance(shadow) * phase / pdf;
+         transmittance(shadow) * vertex.evaluate(light->wi).f / pdf;
 }
 
 /// Draws a free flight; the throughput takes the attenuation, sigma_s and the density in.
@@ -186,88 +312,98 @@ VolPath::Flight VolPath::sampleFlight(PathState& path, const Segment& segment,
     path.throughput *= Tr / (reach.r + reach.g + reach.b);
     return flight;
   }
-  flight.pdf = flightPdf(segment, *flight.t);
+  flight.pdf = segment.flightPdf(*flight.t);
   path.throughput = flight.pdf > 0 ? path.throughput * segment.medium.transmittance(*flight.t) *
                                          segment.medium.at(*flight.t).sigma_s / flight.pdf
                                    : Rgb();
   return flight;
 }
 
-/// Light sampled at a point in the medium, then a direction of the phase function. False: the path
-/// ends.
-bool VolPath::scatterInMedium(PathState& path, const Segment& segment, const Flight& flight,
-                              RenderContext& context) const {
-  const Volume& volume = *scene_.volume();
-  const Vec3 p = path.ray(*flight.t), wo = -path.ray.d;
-  context.stats.add(Stat::VolumeSamples);
-
-  // Next-event estimation: one light, chosen for this point.
+/// Next-event estimation: light of one source, chosen for this vertex, that is scattered into the
+/// path. pointWeight(choice) is the weight of lights without extent, which only other techniques
+/// than the path's next ray can find.
+template <class Vertex, class PointWeight>
+Rgb VolPath::sampleLight(const Vertex& vertex, const Towards& towards, PointWeight&& pointWeight,
+                         RenderContext& context) const {
   const float uChoice = context.samples.get1D();
-  const Vec2 uLight = context.samples.get2D();
-  if (const auto choice = grid_.choose(p, uChoice)) {
-    if (const auto light = choice->light->sampleLi(p, uLight);
-        light && light->pdf > 0 && !light->L.isBlack()) {
-      const Rgb phase = volume.phase(p, wo, light->wi);
-      const Ray shadow = Scene::shadowRay(p, path.ray.time, *light);
-      if (!phase.isBlack() && !scene_.isOccluded(shadow, context.stats)) {
-        const float lightPdf = choice->probability * light->pdf;
-        // Lights without extent are also seen by equiangularLight, the others by the ray that goes
-        // on.
-        float weight = powerHeuristic(lightPdf, phasePdf(phase, path.throughput));
-        if (choice->light->isDelta()) {
-          const float here = choice->probability * flight.pdf;
-          const float there =
-              choice->light->position() ? equiangularPdf(segment, *choice->light, *flight.t) : 0.f;
-          weight = here / (here + there);
-        }
-        path.L += path.throughput * transmittance(shadow) * light->L * phase * (weight / lightPdf);
-      }
-    }
-  }
-
-  const float uLobe = context.samples.get1D();
-  const ScatterSample sample =
-      volume.samplePhase(p, wo, path.throughput, uLobe, context.samples.get2D());
-  if (!(sample.pdf > 0)) return false;
-  path.throughput *= sample.value / sample.pdf;
-  path.ray = FootprintRay(Ray{p, sample.wi, kInfinity, path.ray.time});
-  path.arrival = {true, sample.pdf, p};
-  return true;
+  const Vec2 u = context.samples.get2D();
+  const auto choice = lights_.choose(vertex.receiver(), uChoice);
+  if (!choice) return {};
+  if (!choice->light) return sampleEmission(vertex, towards, choice->probability, u, context);
+  const auto light = choice->light->sampleLi(vertex.p(), u);
+  if (!light || !(light->pdf > 0) || light->L.isBlack()) return {};
+  const BsdfValue value = vertex.evaluate(light->wi);
+  if (value.f.isBlack()) return {};
+  const Ray shadow = vertex.shadowRay(*light);
+  if (scene_.isOccluded(shadow, context.stats)) return {};
+  const float pdf = choice->probability * light->pdf;
+  const float weight = choice->light->isDelta()
+                           ? pointWeight(*choice)
+                           : powerHeuristic(pdf, towards.mixed(light->wi, value.pdf));
+  return transmittance(shadow) * light->L * value.f * (weight / pdf);
 }
 
-/// Light sampled at a surface point, then a direction of the BSDF. False: the path ends.
-bool VolPath::scatterAtSurface(PathState& path, const SurfaceInteraction& at,
-                               RenderContext& context) const {
-  Bsdf bsdf;
-  at.material->evaluate(at, bsdf);
+/// The same for the emission of the media along a direction towards one of their points.
+template <class Vertex>
+Rgb VolPath::sampleEmission(const Vertex& vertex, const Towards& towards, float choice, Vec2 u,
+                            RenderContext& context) const {
+  const auto wi = emission_.sample(vertex.p(), u);
+  if (!wi) return {};
+  const BsdfValue value = vertex.evaluate(*wi);
+  if (value.f.isBlack()) return {};
+  FootprintRay ray(vertex.spawn(*wi));
+  const auto hit = scene_.intersect(ray, context.stats);
+  if (hit) ray.tMax = distance(ray.o, hit->p);
+  const auto range = scene_.volume()->intersect(ray);
+  if (!range) return {};
+  thread_local MediumAlongRay medium;  // reused, so that its memory is
+  medium.assign(*scene_.volume(), ray, *range);
+  const float pdf = choice * emission_.pdf(ray, medium);
+  if (!(pdf > 0)) return {};
+  const float weight = powerHeuristic(pdf, towards.mixed(*wi, value.pdf));
+  return medium.emission() * value.f * (weight / pdf);
+}
 
-  // Next-event estimation, for what is not specular.
-  if (!bsdf.isSpecularOnly()) {
-    const float uChoice = context.samples.get1D();
-    const Vec2 uLight = context.samples.get2D();
-    if (const auto choice = grid_.choose(at.p, uChoice)) {
-      if (const auto light = choice->light->sampleLi(at.p, uLight);
-          light && light->pdf > 0 && !light->L.isBlack()) {
-        const BsdfValue value = bsdf.evaluate(at.wo, light->wi);
-        const Ray shadow = Scene::shadowRay(at, *light);
-        if (!value.f.isBlack() && !scene_.isOccluded(shadow, context.stats)) {
-          const float lightPdf = choice->probability * light->pdf,
-                      cosine = absDot(light->wi, bsdf.shadingNormal());
-          const float weight = choice->light->isDelta() ? 1.f : powerHeuristic(lightPdf, value.pdf);
-          path.L += path.throughput * transmittance(shadow) * light->L * value.f *
-                    (cosine * weight / lightPdf);
-        }
-      }
-    }
+/// The direction in which the path goes on, around the lights or as the vertex scatters, with the
+/// density of the mixture.
+template <class Vertex>
+std::optional<Outgoing> VolPath::sampleDirection(const Vertex& vertex, const Towards& towards,
+                                                 const FootprintRay& ray, RenderContext& context) {
+  float uLobe = context.samples.get1D();
+  const Vec2 u = context.samples.get2D();
+  const float share = towards.share();
+  if (uLobe < share) {
+    const Vec3 wi = towards.sample(u);
+    const BsdfValue value = vertex.evaluate(wi);
+    if (value.f.isBlack()) return std::nullopt;
+    return Outgoing{FootprintRay(vertex.spawn(wi)), value.f, towards.mixed(wi, value.pdf)};
   }
+  uLobe = std::min((uLobe - share) / (1 - share), kOneMinusEpsilon);
+  auto outgoing = vertex.sample(ray, uLobe, u);
+  if (!outgoing || !(outgoing->pdf > 0)) return std::nullopt;
+  outgoing->pdf = outgoing->isSpecular ? (1 - share) * outgoing->pdf
+                                       : towards.mixed(outgoing->ray.d, outgoing->pdf);
+  return outgoing;
+}
 
-  const float uLobe = context.samples.get1D();
-  const auto sample = bsdf.sample(at.wo, uLobe, context.samples.get2D());
-  if (!sample || !(sample->pdf > 0)) return false;
-  path.throughput *= sample->f * (absDot(sample->wi, bsdf.shadingNormal()) / sample->pdf);
-  path.ray = sample->isSpecular() ? specularRay(path.ray, at, bsdf.shadingNormal(), *sample)
-                                  : FootprintRay(at.spawnRay(sample->wi));
-  path.arrival = {!sample->isSpecular(), sample->pdf, at.p};
+/// Light sampled at a vertex, then the direction in which the path goes on. False: it ends.
+template <class Vertex, class PointWeight>
+bool VolPath::scatter(PathState& path, const Vertex& vertex, PointWeight&& pointWeight,
+                      RenderContext& context) const {
+  Towards towards;
+  const PathComponent component = after(path.component, Vertex::kScattering);
+  if (vertex.seesLights()) {
+    if (params_.towardslights && !towards_.isEmpty())
+      towards = towards_.from(vertex.p(), context.samples.get1D());
+    addLight(path, component, path.throughput * sampleLight(vertex, towards, pointWeight, context),
+             context);
+  }
+  const auto outgoing = sampleDirection(vertex, towards, path.ray, context);
+  if (!outgoing) return false;
+  path.throughput *= outgoing->weight / outgoing->pdf;
+  path.ray = outgoing->ray;
+  path.arrival = {!outgoing->isSpecular, outgoing->pdf, vertex.p(), vertex.receiver()};
+  path.component = outgoing->isSpecular ? after(path.component, Scattering::Specular) : component;
   return true;
 }
 
@@ -303,10 +439,13 @@ Rgb VolPath::Li(const FootprintRay& cameraRay, int, RenderContext& context) cons
     if (range) {
       segment.medium.assign(*scene_.volume(), path.ray, *range);
       behind *= segment.medium.transmittance();
-      if (scene_.volume()->isEmissive()) path.L += path.throughput * segment.medium.emission();
+      if (!emission_.isEmpty())
+        addLight(path, path.component,
+                 path.throughput * segment.medium.emission() * emissionWeight(path, segment.medium),
+                 context);
       context.stats.add(Stat::VolumeSegments);
     }
-    path.L += path.throughput * behind;
+    addLight(path, path.component, path.throughput * behind, context);
     if (!mayScatter(path)) break;
 
     // Where the path goes on.
@@ -314,21 +453,35 @@ Rgb VolPath::Li(const FootprintRay& cameraRay, int, RenderContext& context) cons
     if (range) {
       const Rgb& carried = path.throughput;
       segment.channels = carried / (carried.r + carried.g + carried.b);
-      if (scene_.volume()->isScattering() && !segment.medium.isEmpty()) {
-        segmentLights_.along(path.ray, *range, segment.lights);
-        path.L += equiangularLight(path, segment, context);
-      }
+      if (scene_.volume()->isScattering() && !segment.medium.isEmpty())
+        addLight(path, after(path.component, Scattering::Medium),
+                 equiangularLight(path, segment, context), context);
       flight = sampleFlight(path, segment, context);
     }
     if (!flight.t && !hit) break;
     ++path.scatterings;
     if (path.throughput.isBlack()) break;
-    const bool goesOn = flight.t ? scatterInMedium(path, segment, flight, context)
-                                 : scatterAtSurface(path, *hit, context);
-    if (!goesOn) break;
-    if (!survives(path, context)) break;
+    const auto flightWeight = [&](const LightTree::Choice& choice) {
+      const float here = choice.probability * flight.pdf;
+      return here / (here + equiangularPdf(segment, *choice.light, *flight.t));
+    };
+    if (flight.t) context.stats.add(Stat::VolumeSamples);
+    const bool goesOn =
+        flight.t
+            ? scatter(path, MediumVertex(scene_, path.ray, *flight.t, path.throughput),
+                      flightWeight, context)
+            : scatter(
+                  path, SurfaceVertex(*hit), [](const LightTree::Choice&) { return 1.f; }, context);
+    if (!goesOn || !survives(path, context)) break;
   }
   return path.L;
+}
+
+void VolPath::describe(Plan& plan) const {
+  const SceneInventory found = takeInventory(scene_);
+  if (found.deltaLights > 0 && found.specularMaterials > 0)
+    plan.skip("light without extent through glass or off mirrors",
+              "volpath hits lights or looks at them along a straight line");
 }
 
 const RegisterPlugin<GlobalIntegrator, VolPath> kRegistration{

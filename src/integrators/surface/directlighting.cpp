@@ -5,7 +5,7 @@
 #include "core/integrator.h"
 #include "core/registry.h"
 #include "transport/direct_light.h"
-#include "transport/light_grid.h"
+#include "transport/light_tree.h"
 #include "transport/specular.h"
 
 namespace brume {
@@ -33,8 +33,8 @@ class DirectLighting final : public SurfaceIntegrator {
     }
   };
   DirectLighting(Params params, const FactoryContext& context)
-      : params_(params), scene_(*context.scene), grid_(scene_) {
-    for (const Light* light : grid_.lights()) {
+      : params_(params), scene_(*context.scene), lights_(scene_) {
+    for (const Light* light : lights_.lights()) {
       const int wanted = light->sampleCount();
       sampleCounts_.push_back(context.sampler ? context.sampler->roundCount(wanted) : wanted);
     }
@@ -56,7 +56,7 @@ class DirectLighting final : public SurfaceIntegrator {
   Rgb sampleAll(const LitPoint& point, RenderContext& context) const {
     Rgb L;
     for (std::size_t i = 0; i < sampleCounts_.size(); ++i) {
-      const Light& light = *grid_.lights()[i];
+      const Light& light = *lights_.lights()[i];
       const int n = light.isDelta() ? 1 : sampleCounts_[i];
       L += n == 1 ? estimateOnce(point, light, context)
                   : estimateMany(point, light, n, context) / static_cast<float>(n);
@@ -65,7 +65,8 @@ class DirectLighting final : public SurfaceIntegrator {
   }
 
   Rgb sampleOne(const LitPoint& point, RenderContext& context) const {
-    const auto choice = grid_.choose(point.at.p, context.samples.get1D());
+    const auto choice =
+        lights_.choose(PointReceiver(point.at.p, point.at.n), context.samples.get1D());
     if (!choice) return {};
     return estimateOnce(point, *choice->light, context) / choice->probability;
   }
@@ -99,8 +100,8 @@ class DirectLighting final : public SurfaceIntegrator {
 
   Params params_;
   const Scene& scene_;
-  LightGrid grid_;
-  std::vector<int> sampleCounts_;  // of grid_.lights()
+  LightTree lights_;
+  std::vector<int> sampleCounts_;  // of lights_.lights()
 };
 
 const RegisterPlugin<SurfaceIntegrator, DirectLighting> kRegistration{

@@ -4,7 +4,7 @@
 #include "core/registry.h"
 #include "core/sampling.h"
 #include "transport/direct_light.h"
-#include "transport/light_grid.h"
+#include "transport/light_tree.h"
 #include "transport/specular.h"
 
 namespace brume {
@@ -32,7 +32,7 @@ class Path final : public SurfaceIntegrator {
     }
   };
   Path(Params params, const FactoryContext& context)
-      : params_(params), scene_(*context.scene), grid_(scene_) {}
+      : params_(params), scene_(*context.scene), lights_(scene_) {}
 
   Rgb Li(const SurfaceQuery& query, RenderContext& context) const override;
 
@@ -42,6 +42,7 @@ class Path final : public SurfaceIntegrator {
     bool specular = true;  ///< or from the camera
     float bsdfPdf = 0;
     Vec3 from{0};
+    PointReceiver receiver{Vec3(0)};
   };
   Rgb emission(const SurfaceInteraction& at, const Arrival& arrival) const;
   Rgb escaped(const Ray& ray, const Arrival& arrival) const;
@@ -49,7 +50,7 @@ class Path final : public SurfaceIntegrator {
 
   Params params_;
   const Scene& scene_;
-  LightGrid grid_;
+  LightTree lights_;
 };
 
 Rgb Path::emission(const SurfaceInteraction& at, const Arrival& arrival) const {
@@ -57,7 +58,7 @@ Rgb Path::emission(const SurfaceInteraction& at, const Arrival& arrival) const {
   const Rgb Le = emittedRadiance(at);
   if (arrival.specular || Le.isBlack()) return Le;
   // A light that is never sampled (inside an object instance) shows itself, but lights nothing.
-  const float choice = grid_.probability(arrival.from, at.areaLight);
+  const float choice = lights_.probability(arrival.receiver, at.areaLight);
   if (!(choice > 0)) return {};
   const float pdf = choice * at.areaLight->pdfLiAt(arrival.from, -at.wo, at.p, at.n);
   return Le * powerHeuristic(arrival.bsdfPdf, pdf);
@@ -67,7 +68,8 @@ Rgb Path::escaped(const Ray& ray, const Arrival& arrival) const {
   if (arrival.specular) return escapedRadiance(scene_, ray);
   Rgb L;
   for (const Light* light : scene_.infiniteLights()) {
-    const float pdf = grid_.probability(arrival.from, light) * light->pdfLi(arrival.from, ray.d);
+    const float pdf =
+        lights_.probability(arrival.receiver, light) * light->pdfLi(arrival.from, ray.d);
     L += light->Le(ray) * powerHeuristic(arrival.bsdfPdf, pdf);
   }
   return L;
@@ -75,9 +77,9 @@ Rgb Path::escaped(const Ray& ray, const Arrival& arrival) const {
 
 Rgb Path::direct(const LitPoint& point, RenderContext& context) const {
   // Dimensions that the scene's lights do not need are not drawn.
-  const float uChoice = grid_.lights().size() > 1 ? context.samples.get1D() : 0.f;
-  const Vec2 uLight = grid_.hasHittableLights() ? context.samples.get2D() : Vec2(0);
-  const auto choice = grid_.choose(point.at.p, uChoice);
+  const float uChoice = lights_.lights().size() > 1 ? context.samples.get1D() : 0.f;
+  const Vec2 uLight = lights_.hasHittableLights() ? context.samples.get2D() : Vec2(0);
+  const auto choice = lights_.choose(PointReceiver(point.at.p, point.at.n), uChoice);
   if (!choice) return {};
   const LitSample lit = sampleLight(point, *choice->light, uLight, kAllLobes, context);
   const float weight = choice->light->isDelta()
@@ -107,12 +109,12 @@ Rgb Path::Li(const SurfaceQuery& query, RenderContext& context) const {
     const float uLobe = context.samples.get1D();
     const Vec2 uDirection = context.samples.get2D();
     const bool isLast = bounce == params_.maxdepth;
-    if (isLast && !grid_.hasHittableLights()) break;
+    if (isLast && !lights_.hasHittableLights()) break;
     const auto sample = bsdf.sample(at.wo, uLobe, uDirection);
     if (!sample || !(sample->pdf > 0) || sample->f.isBlack()) break;
     if (isLast && sample->isSpecular()) break;
     throughput *= sample->f * (absDot(sample->wi, bsdf.shadingNormal()) / sample->pdf);
-    arrival = {sample->isSpecular(), sample->pdf, at.p};
+    arrival = {sample->isSpecular(), sample->pdf, at.p, PointReceiver(at.p, at.n)};
 
     // Roulette.
     if (bounce >= kRouletteBounce) {

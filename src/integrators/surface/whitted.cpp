@@ -3,7 +3,7 @@
 #include "core/integrator.h"
 #include "core/registry.h"
 #include "transport/direct_light.h"
-#include "transport/light_grid.h"
+#include "transport/light_tree.h"
 #include "transport/specular.h"
 
 namespace brume {
