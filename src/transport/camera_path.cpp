@@ -28,7 +28,7 @@ Rgb CameraPaths::direct(const SurfaceInteraction& at, const Bsdf& bsdf,
   u.light = context.samples.get2D();
   u.lobe = context.samples.get1D();
   u.direction = context.samples.get2D();
-  const auto choice = lights_.choose(at.p, uChoice);
+  const auto choice = lights_.choose(PointReceiver(at.p, at.n), uChoice);
   if (!choice) return {};
   return estimateDirect({scene_, at, bsdf, media_}, *choice->light, u, context) /
          choice->probability;

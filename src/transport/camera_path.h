@@ -5,7 +5,7 @@
 #include "core/bsdf.h"
 #include "core/integrator.h"
 #include "core/medium_along_ray.h"
-#include "transport/light_grid.h"
+#include "transport/light_tree.h"
 #include "transport/media_transmittance.h"
 #include "transport/unscattered_light.h"
 
@@ -50,7 +50,7 @@ class CameraPaths {
 
   const Scene& scene_;
   Options options_;
-  LightGrid lights_;
+  LightTree lights_;
   MediaTransmittance media_;
   UnscatteredLight unscattered_;
 };
