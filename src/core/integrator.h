@@ -127,6 +127,7 @@ struct PassContext {
   bool footprints = true;  ///< whether any texture will look at the rays' differentials
   const std::atomic<bool>& stop;
   Stats& stats;
+  Log& log;
 };
 
 /// A global integrator that answers per pass: each pass adds one estimate of every pixel to the

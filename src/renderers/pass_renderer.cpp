@@ -7,8 +7,8 @@ bool PassRenderer::render(SampleRange range, const std::atomic<bool>& stop, Stat
                           const std::function<void(double, const Stats&)>& onShare) {
   const auto count = static_cast<double>(range.count());
   for (std::int64_t pass = range.first; pass < range.end; ++pass) {
-    const PassContext context{parts_.camera, parts_.sampler,    parts_.film, parts_.seed,
-                              pass,          parts_.footprints, stop,        stats};
+    const PassContext context{parts_.camera,     parts_.sampler, parts_.film, parts_.seed, pass,
+                              parts_.footprints, stop,           stats,       parts_.log};
     const auto done = static_cast<double>(pass - range.first);
     if (!parts_.integrator.renderPass(
             context, [&](double share) { onShare((done + share) / count, stats); }))

@@ -17,6 +17,7 @@ class PassRenderer final : public ImageRenderer {
     PassGlobalIntegrator& integrator;
     std::uint64_t seed = 0;
     bool footprints = true;
+    Log& log;
   };
   explicit PassRenderer(const Parts& parts) : parts_(parts) {}
 

@@ -210,7 +210,7 @@ std::unique_ptr<ImageRenderer> RenderJob::Parts::makeRenderer() const {
   const bool footprints = !contents.floatTextures.empty() || !contents.rgbTextures.empty();
   if (passes)
     return std::make_unique<PassRenderer>(
-        PassRenderer::Parts{*camera, *sampler, *film, *passes, settings.seed, footprints});
+        PassRenderer::Parts{*camera, *sampler, *film, *passes, settings.seed, footprints, log});
   return std::make_unique<TileRenderer>(
       TileRenderParts{*camera, *sampler, *film, *radiance, settings.seed, footprints});
 }

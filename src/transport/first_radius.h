@@ -1,24 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
-// Radii to begin with, from the density of photons.
+// Radii to begin with, from what the camera sees of the photons.
 #pragma once
 
+#include <optional>
 #include <span>
 
-#include "core/scene.h"
+#include "core/integrator.h"
 #include "transport/photon.h"
 
 namespace brume {
 
-/// Photons that a beam, and a visible point, is to meet in the first pass.
+/// Photons that a beam (each counted by the transmittance from the camera), and a visible point, is
+/// to meet in the first pass.
 inline constexpr double kPhotonsPerBeam = 50, kPhotonsPerPoint = 10;
 
-/// r with Pi r^2 L n = kPhotonsPerBeam: n the median density of volume photons [length^-3], times
-/// `perPhoton`, the photons of a pass for each one given; L the mean chord of the media's bounds,
-/// 4 V / S. Never more than a tenth of the bounds' diagonal, which it is without photons.
-double firstBeamRadius(std::span<const Photon> photons, const Volume& volume, double perPhoton);
+struct FirstRadii {
+  double beam = 0, surface = 0;  ///< scene length
+};
 
-/// The same on surfaces: Pi r^2 n = kPhotonsPerPoint, n the median density of surface photons
-/// [length^-2].
-double firstSurfaceRadius(std::span<const Photon> photons, const Scene& scene, double perPhoton);
+/// Looks through a coarse grid of pixels. For each ray, the radius around it within which a pass
+/// will leave kPhotonsPerBeam photons in the media, and the one around its hit for surfaces; of
+/// all, the medians. `perPhoton`: the photons of a pass for each one given. Where nothing is seen
+/// or no photons are there: a hundredth of the scene's diagonal.
+FirstRadii firstRadii(const Scene& scene, const PassContext& context,
+                      std::span<const Photon> photons, double perPhoton);
 
 }  // namespace brume

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
 #include <memory>
 
 #include "accelerators/beam_quadtree.h"
@@ -91,7 +93,6 @@ class Pvpm final : public PassGlobalIntegrator {
         scene_, PhotonRequest{wanted_, context.shutter, params_.maxdepth});
     if (!tracer_->hasLights()) wanted_ = {};
     keepPhotons(context);
-    chooseRadii(context);
   }
   std::int64_t defaultPasses() const override { return params_.passes; }
   bool renderPass(const PassContext& context,
@@ -100,7 +101,7 @@ class Pvpm final : public PassGlobalIntegrator {
  private:
   PhotonClasses wantedPhotons() const;
   void keepPhotons(const PrepareContext& context);
-  void chooseRadii(PrepareContext& context);
+  void chooseRadii(const PassContext& context);
   void prepareRadii(const PassContext& context, CameraBeamOptions& options);
   void shrinkPixelRadii(const OwnedBeams& beams, std::span<const BeamSum> sums);
   PhotonSet tracePhotons(std::uint64_t seed, std::uint64_t pass, int paths,
@@ -159,28 +160,30 @@ void Pvpm::keepPhotons(const PrepareContext& context) {
 }
 
 /// Radii that were not given, from a pilot pass of photons with random numbers of its own.
-void Pvpm::chooseRadii(PrepareContext& context) {
+void Pvpm::chooseRadii(const PassContext& context) {
   constexpr std::uint64_t kPilotPass = ~std::uint64_t{0};
   constexpr int kPilotPaths = 20'000;
-  if (wanted_.isEmpty()) return;
-  const int paths = std::min(kPilotPaths, params_.photonsperpass);
-  const PhotonSet traced =
-      kept_ ? PhotonSet{}
-            : tracePhotons(context.seed, kPilotPass, paths, context.stop, context.stats);
-  if (!traced.isComplete) return;
-  const PhotonSet& pilot = kept_ ? *kept_ : traced;
-  const double perPass = kept_ ? 1.0 : double(params_.photonsperpass) / paths;
-  if (!(wanted_ & kVolumePhotons).isEmpty()) {
-    const double r = params_.radius ? double{*params_.radius}
-                                    : firstBeamRadius(pilot.photons, *scene_.volume(), perPass);
-    beamRadius_.emplace(r, params_.alpha);
-    context.log.verbose("pvpm: the beams' first radius is " + std::to_string(r));
+  const bool beams = !(wanted_ & kVolumePhotons).isEmpty(),
+             points = !(wanted_ & kSurfacePhotons).isEmpty();
+  FirstRadii radii;
+  if ((beams && !params_.radius) || (points && !params_.surfaceradius)) {
+    const int paths = std::min(kPilotPaths, params_.photonsperpass);
+    const PhotonSet traced =
+        kept_ ? PhotonSet{}
+              : tracePhotons(context.seed, kPilotPass, paths, context.stop, context.stats);
+    if (!traced.isComplete) return;
+    radii = firstRadii(scene_, context, kept_ ? kept_->photons : traced.photons,
+                       kept_ ? 1.0 : double(params_.photonsperpass) / paths);
   }
-  if (!(wanted_ & kSurfacePhotons).isEmpty()) {
-    const double r = params_.surfaceradius ? double{*params_.surfaceradius}
-                                           : firstSurfaceRadius(pilot.photons, scene_, perPass);
-    surfaceRadius_.emplace(r, params_.alpha);
-    context.log.verbose("pvpm: the first radius on surfaces is " + std::to_string(r));
+  if (beams) {
+    if (params_.radius) radii.beam = double{*params_.radius};
+    beamRadius_.emplace(radii.beam, params_.alpha);
+    context.log.verbose(fmt::format("pvpm: the beams' first radius is {:.4g}", radii.beam));
+  }
+  if (points) {
+    if (params_.surfaceradius) radii.surface = double{*params_.surfaceradius};
+    surfaceRadius_.emplace(radii.surface, params_.alpha);
+    context.log.verbose(fmt::format("pvpm: the first radius on surfaces is {:.4g}", radii.surface));
   }
 }
 
@@ -236,6 +239,7 @@ void Pvpm::shrinkPixelRadii(const OwnedBeams& beams, std::span<const BeamSum> su
 }
 
 bool Pvpm::renderPass(const PassContext& context, const std::function<void(double)>& onShare) {
+  if (context.pass == 0) chooseRadii(context);
   // Photons first, so that visible points gather them at once and need not be kept.
   const PhotonSet traced =
       kept_ ? PhotonSet{}
