@@ -25,6 +25,8 @@ class PathRandom {
     const std::uint64_t bits = mixBits(passKey_ + 0x9e3779b97f4a7c15ull * ++dimension_);
     return ScrambledSequence::point(reversedPath_, ScrambledSequence::Scramble::of(bits));
   }
+  /// Numbers beyond the stratified ones.
+  Rng& hashed() { return rng_; }
   float get1D() { return dimension_ >= kStratified ? rng_.uniform() : get2D().x; }
 
  private:

@@ -81,7 +81,9 @@ PhotonTracer::PhotonTracer(const Scene& scene, const PhotonRequest& request)
     lights_.push_back(light.get());
     weights.push_back(weight);
   }
-  if (hasLights()) choice_ = Distribution1D(weights);
+  if (scene.volume() && scene.volume()->isEmissive())
+    weights.push_back(4 * kPi * lightWeight(scene.volume()->totalEmission()));
+  if (!weights.empty()) choice_ = Distribution1D(weights);
 }
 
 bool PhotonTracer::emit(PathRandom& random, Path& path) const {
@@ -90,11 +92,29 @@ bool PhotonTracer::emit(PathRandom& random, Path& path) const {
   u.point = random.get2D();
   u.direction = random.get2D();
   const float time = lerp(request_.shutter.t0, request_.shutter.t1, random.get1D());
-  const auto emission = lights_[chosen.index]->sampleEmission(target_, u);
-  if (!emission) return false;
-  path.ray = Ray{emission->o, emission->d, kInfinity, time};
-  path.power = emission->power / choice_.probability(chosen.index);
+  path.ray.time = time;
+  if (chosen.index == lights_.size()) {
+    if (!emitFromMedia(random, sampleUniformSphere(u.direction), path)) return false;
+  } else {
+    const auto emission = lights_[chosen.index]->sampleEmission(target_, u);
+    if (!emission) return false;
+    path.ray = Ray{emission->o, emission->d, kInfinity, time};
+    path.power = emission->power;
+  }
+  path.power /= choice_.probability(chosen.index);
   return largest(path.power) > 0 && path.power.isFinite();
+}
+
+/// A point by the luminance of Le: alpha = 4 pi Le(p) / pdf(p).
+bool PhotonTracer::emitFromMedia(PathRandom& random, const Vec3& direction, Path& path) const {
+  const Volume& volume = *scene_.volume();
+  const Vec3 p = volume.sampleEmission(random.hashed());
+  const Rgb Le = volume.at(p).Le;
+  if (!(lightWeight(Le) > 0)) return false;
+  path.ray = Ray{p, direction, kInfinity, path.ray.time};
+  path.power = Le * (4 * kPi * lightWeight(volume.totalEmission()) / lightWeight(Le));
+  path.stage = Stage::Scattered;
+  return true;
 }
 
 /// Absorbed, or scattered into a direction of the phase function.

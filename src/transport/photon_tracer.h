@@ -39,6 +39,8 @@ struct PhotonSet {
 ///       |wo.ng| |wi.ns| / (|wi.ng| |wo.ns|),  wi to the light, wo the way the path goes on,
 ///     and (eta_i / eta_o)^2 where it is refracted: radiance is not scaled there (PBRT-v2);
 ///   - Russian roulette on the ratio of powers, so that photons have about equal power.
+/// Media that emit are one more light, of power 4 pi Int Le dV; no other estimator looks for their
+/// light, so it counts as scattered from the start (SurfaceIndirect, VolumeMultiple).
 /// A path ends when nothing that is wanted can come of it. Photons that leave the scene are gone.
 /// Immutable and thread-safe. Test: photon_tracer_test.
 class PhotonTracer {
@@ -46,7 +48,7 @@ class PhotonTracer {
   PhotonTracer(const Scene& scene, const PhotonRequest& request);
 
   /// Whether any light sends photons.
-  bool hasLights() const { return !lights_.empty(); }
+  bool hasLights() const { return choice_.size() > 0; }
   const PhotonRequest& request() const { return request_; }
 
   /// Appends the deposits of one path, of the classes `wanted`, as if it were the only path.
@@ -61,6 +63,7 @@ class PhotonTracer {
   struct Path;
   struct Scratch;
   bool emit(PathRandom& random, Path& path) const;
+  bool emitFromMedia(PathRandom& random, const Vec3& direction, Path& path) const;
   bool scatterInMedium(Path& path, float t, const Rgb& albedo, PathRandom& random) const;
   bool scatterAtSurface(Path& path, const SurfaceInteraction& at, PhotonClasses wanted,
                         std::vector<Photon>& photons, PathRandom& random) const;
@@ -69,7 +72,7 @@ class PhotonTracer {
   PhotonRequest request_;
   Ball target_;
   std::vector<const Light*> lights_;
-  Distribution1D choice_;  // over lights_
+  Distribution1D choice_;  // over lights_, and the media behind them when they emit
 };
 
 /// How many photons of each class to store; 0: none of it.

@@ -181,6 +181,21 @@ TEST(PhotonTracer, WhiteFurnaceHasTheFluenceOfTheSky) {
   }
 }
 
+TEST(PhotonTracer, EmissiveMediaAreLights) {
+  // Le = sigma_a B for B = 1 and albedo 1/2: what is emitted is absorbed but for what leaves the
+  // thick box, so deposits (power in = absorbed + scattered) are 4 pi Le V / (1 - albedo), less the
+  // leak, about S / 4 sigma_t of the volume: between 0.9 and 1 of it here.
+  const auto job = sceneOf(
+      box("\"color sigma_a\" [20 20 20] \"color sigma_s\" [20 20 20] \"color Le\" [1 2 3]", 2));
+  for (int channel : {0, 1, 2}) {
+    const Estimate e =
+        totalPower(job->scene(), {kVolumePhotons}, PhotonClass::VolumeMultiple, channel, 2000);
+    const double all = 4 * M_PI * (1 + channel) * 64 / 0.5;
+    EXPECT_LT(e.mean, all);
+    EXPECT_GT(e.mean, 0.9 * all);
+  }
+}
+
 PhotonCounts countOf(PhotonClass c, std::uint64_t n) {
   PhotonCounts counts{};
   counts[static_cast<std::size_t>(c)] = n;

@@ -94,6 +94,7 @@ class Pvpm final : public PassGlobalIntegrator {
     if (!tracer_->hasLights()) wanted_ = {};
     keepPhotons(context);
   }
+  void describe(Plan& plan) const override;
   std::int64_t defaultPasses() const override { return params_.passes; }
   bool renderPass(const PassContext& context,
                   const std::function<void(double share)>& onShare) override;
@@ -139,6 +140,25 @@ PhotonClasses Pvpm::wantedPhotons() const {
     if (hasSpecular) wanted = wanted | PhotonClass::SurfaceCaustic;
   }
   return wanted;
+}
+
+void Pvpm::describe(Plan& plan) const {
+  if ((wanted_ & kVolumePhotons).isEmpty())
+    plan.skip("camera beams and photons in media", "no medium scatters");
+  else
+    plan.build("camera beams and photons in media",
+               params_.directvolume ? "unscattered light is sampled, photons carry the rest"
+                                    : "photons carry all scattered light");
+  if ((wanted_ & kSurfacePhotons).isEmpty())
+    plan.skip("visible points and photons on surfaces", "nothing in the scene is diffuse");
+  else
+    plan.build("visible points and photons on surfaces",
+               "caustics and indirect light; direct light is sampled");
+  if (!wanted_.contains(PhotonClass::VolumeCaustic) &&
+      !wanted_.contains(PhotonClass::SurfaceCaustic))
+    plan.skip("caustic photons", "no surface is specular");
+  if (!scene_.contents().unsampledLights.empty())
+    plan.skip("photons of lights inside of object instances", "they show themselves, no more");
 }
 
 PhotonSet Pvpm::tracePhotons(std::uint64_t seed, std::uint64_t pass, int count,
