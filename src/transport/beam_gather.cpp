@@ -40,8 +40,7 @@ struct TileGather {
   std::size_t tile;
   BlockRange blocks;
   std::array<float, 3> sigma_t;
-  float sigmaMax;
-  float reach;   ///< optical depth by which a transmittance is continued
+  float reach;   ///< way by which a transmittance is continued; below 0: none is
   float tStart;  ///< transmittance is counted from here on all beams of the tile...
   bool isWide;   ///< ...unless they start too far apart: then each from its own start
   bool isGray;   ///< sigma_t is the same in all channels
@@ -54,6 +53,31 @@ constexpr float kSeriesReach = 0.03f;
 /// Number of optical depths between the starts of a tile's beams from which it is wide: below, no
 /// transmittance that matters underflows.
 constexpr float kWideDepth = 10;
+
+PhotonState stateOf(const BeamPhoton& photon) {
+  const float sign = photon.g < 0 ? -1.f : 1.f, a = sign * photon.g;
+  const float phase = kInv4Pi * (1.f - a) * (1.f + a);
+  return {photon.p,
+          sign * photon.w,
+          a,
+          sqr(1.f - a),
+          {photon.power.r * phase, photon.power.g * phase, photon.power.b * phase},
+          0,
+          {}};
+}
+
+/// A cell that a photon of a group may be in.
+struct CellOfPhoton {
+  std::uint32_t photon;
+  BlockRange blocks;
+};
+
+/// Room for a group of photons.
+struct GroupScratch {
+  std::array<std::uint32_t, kCellPairs> pairs;
+  std::array<CellOfPhoton, kCellPairs> cells;
+  std::array<PhotonState, kPhotonGroup> states;
+};
 
 namespace generic {
 using namespace lanes_generic;
@@ -75,18 +99,6 @@ using namespace lanes_avx2;
 namespace avx2 = generic;
 #endif
 
-PhotonState stateOf(const BeamPhoton& photon) {
-  const float sign = photon.g < 0 ? -1.f : 1.f, a = sign * photon.g;
-  const float phase = kInv4Pi * (1.f - a) * (1.f + a);
-  return {photon.p,
-          sign * photon.w,
-          a,
-          sqr(1.f - a),
-          {photon.power.r * phase, photon.power.g * phase, photon.power.b * phase},
-          0,
-          {}};
-}
-
 TileGather makeTileGather(const BeamQuadtree& tree, std::size_t tile, const Rgb& sigma_t,
                           std::vector<BlockSums>& sums) {
   const BlockRange blocks = tree.blocksOf(tile);
@@ -102,10 +114,9 @@ TileGather makeTileGather(const BeamQuadtree& tree, std::size_t tile, const Rgb&
   gather.tile = tile;
   gather.blocks = blocks;
   gather.sigma_t = {sigma_t.r, sigma_t.g, sigma_t.b};
-  gather.sigmaMax = sigma_t.maxChannel();
   gather.tStart = first;
-  gather.isWide = (last - first) * gather.sigmaMax > kWideDepth;
-  gather.reach = gather.isWide ? -1.f : kSeriesReach;
+  gather.isWide = (last - first) * sigma_t.maxChannel() > kWideDepth;
+  gather.reach = gather.isWide ? -1.f : kSeriesReach / sigma_t.maxChannel();
   gather.isGray = sigma_t.r == sigma_t.g && sigma_t.g == sigma_t.b;
   gather.sums = sums.data();
   return gather;
@@ -114,15 +125,14 @@ TileGather makeTileGather(const BeamQuadtree& tree, std::size_t tile, const Rgb&
 /// Adds photons to the sums of a tile, in groups.
 void gatherSome(const BeamQuadtree& tree, const TileGather& gather,
                 std::span<const BeamPhoton> photons, std::span<const std::uint32_t> indices) {
-  std::array<PhotonState, kPhotonGroup> group;
+  GroupScratch scratch;
   while (!indices.empty()) {
-    const std::size_t n = std::min(kPhotonGroup, indices.size());
-    for (std::size_t i = 0; i < n; ++i) group[i] = stateOf(photons[indices[i]]);
+    const auto group = indices.first(std::min(kPhotonGroup, indices.size()));
     if (hasAvx2())
-      avx2::gatherGroup(tree.view(), gather, {group.data(), n});
+      avx2::gatherGroup(tree.view(), gather, photons, group, scratch);
     else
-      generic::gatherGroup(tree.view(), gather, {group.data(), n});
-    indices = indices.subspan(n);
+      generic::gatherGroup(tree.view(), gather, photons, group, scratch);
+    indices = indices.subspan(group.size());
   }
 }
 

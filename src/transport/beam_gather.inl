@@ -25,23 +25,23 @@ BRUME_KERNEL inline Lanes weightOf(const BeamTreeView::Block& block, const Photo
   const Lanes ex = load(block.dx) + Lanes::all(photon.w.x);
   const Lanes ey = load(block.dy) + Lanes::all(photon.w.y);
   const Lanes ez = load(block.dz) + Lanes::all(photon.w.z);
-  const Lanes denominator =
-      Lanes::all(photon.oneMinusA2) + Lanes::all(photon.a) * (ex * ex + ey * ey + ez * ez);
+  const Lanes denominator = Lanes::all(photon.oneMinusA2) +
+                            Lanes::all(photon.a) * (ex * ex + ey * ey + ez * ez);
   return q * q / (denominator * sqrt(denominator));
+}
+
+BRUME_KERNEL inline Lanes seriesAt(const std::array<float, 4>& c, const Lanes& x) {
+  return Lanes::all(c[0]) + x * (Lanes::all(c[1]) + x * (Lanes::all(c[2]) + x * Lanes::all(c[3])));
 }
 
 /// With the transmittance known at a neighbour's t and continued by x = tKnown - t.
 template <bool kGray>
 BRUME_KERNEL inline void addNear(const PhotonState& photon, const Lanes& weight, const Lanes& x,
                                  BlockSums& sums) {
-  const auto seriesOf = [&](const std::array<float, 4>& c) BRUME_KERNEL {
-    return Lanes::all(c[0]) +
-           x * (Lanes::all(c[1]) + x * (Lanes::all(c[2]) + x * Lanes::all(c[3])));
-  };
-  Lanes w = weight;
-  if constexpr (kGray) w = w * seriesOf(photon.series[0]);
+  const Lanes gray = kGray ? weight * seriesAt(photon.series[0], x) : weight;
   for (std::size_t c = 0; c < 3; ++c) {
-    const Lanes L = kGray ? w * Lanes::all(photon.power[c]) : w * seriesOf(photon.series[c]);
+    const Lanes L =
+        gray * (kGray ? Lanes::all(photon.power[c]) : seriesAt(photon.series[c], x));
     (Lanes::load(sums.L[c].data()) + L).store(sums.L[c].data());
   }
 }
@@ -67,10 +67,10 @@ BRUME_KERNEL inline void addToBlock(const BeamTreeView& tree, const TileGather& 
   countLanes(mask, sums.count.data());
   const Lanes weight = weightOf<kIsotropic>(block, photon, foot.d2) & mask;
   // Neighbouring beams have the photon at nearly the same t.
-  const Lanes x = (Lanes::all(photon.tKnown) - foot.t) & mask;
-  const Lanes depth = x * Lanes::all(tile.sigmaMax);
-  const Lanes size = max(depth, Lanes::all(0.f) - depth);
-  if (bitsOf(lessEqualMask(size, Lanes::all(tile.reach))) == 0xff)
+  const Lanes x = (Lanes::all(photon.tKnown) - foot.t) & mask, reach = Lanes::all(tile.reach);
+  const LaneMask isNear =
+      bitsOf(lessEqualMask(x, reach) & lessEqualMask(Lanes::all(0.f) - reach, x));
+  if (isNear == 0xff)
     addNear<kGray>(photon, weight, x, sums);
   else if (tile.isWide)
     addFar(tile, photon, weight, (foot.t - load(tree.startsOf(b))) & mask, sums);
@@ -78,22 +78,12 @@ BRUME_KERNEL inline void addToBlock(const BeamTreeView& tree, const TileGather& 
     addFar(tile, photon, weight, (foot.t - Lanes::all(tile.tStart)) & mask, sums);
 }
 
-/// The t of each photon on one of the beams that may contain it; tStart for those without any.
-BRUME_KERNEL inline void findNearT(const BeamTreeView& tree, const TileGather& tile,
-                                   std::span<PhotonState> photons,
-                                   std::span<const std::uint32_t> pairs) {
-  for (PhotonState& photon : photons) photon.tKnown = tile.tStart;
-  std::uint32_t last = ~0u;
-  for (const std::uint32_t pair : pairs) {
-    if (pair >> kNodeBits == last) continue;
-    last = pair >> kNodeBits;
-    PhotonState& photon = photons[last];
-    const BeamTreeView::Block& block = tree.blocks[blocksOfPair(tree, tile.tile, pair).begin];
-    const auto foot = beamFoot<float>(block.ox[0], block.oy[0], block.oz[0], block.dx[0],
-                                      block.dy[0], block.dz[0], photon.p.x, photon.p.y, photon.p.z);
-    // Not before the start: the transmittance would grow there.
-    photon.tKnown = std::max(foot.t, tile.tStart);
-  }
+/// t on one of the beams that may contain the photon; not before tStart, where the transmittance
+/// would grow.
+inline float nearT(const BeamTreeView::Block& block, const TileGather& tile, const Vec3& p) {
+  const auto foot = beamFoot<float>(block.ox[0], block.oy[0], block.oz[0], block.dx[0], block.dy[0],
+                                    block.dz[0], p.x, p.y, p.z);
+  return std::max(foot.t, tile.tStart);
 }
 
 /// Power times transmittance around tKnown.
@@ -117,39 +107,68 @@ BRUME_KERNEL inline void findSeries(const TileGather& tile, std::span<PhotonStat
 }
 
 template <bool kIsotropic, bool kGray>
-BRUME_KERNEL inline void gatherCells(const BeamTreeView& tree, const TileGather& tile,
+BRUME_KERNEL inline void gatherPairs(const BeamTreeView& tree, const TileGather& tile,
                                      std::span<const PhotonState> photons,
-                                     std::span<const std::uint32_t> pairs) {
-  for (const std::uint32_t pair : pairs) {
-    const BlockRange blocks = blocksOfPair(tree, tile.tile, pair);
-    for (std::uint32_t b = blocks.begin; b < blocks.end; ++b)
-      addToBlock<kIsotropic, kGray>(tree, tile, photons[pair >> kNodeBits], b);
+                                     std::span<const CellOfPhoton> pairs) {
+  for (const CellOfPhoton& pair : pairs)
+    for (std::uint32_t b = pair.blocks.begin; b < pair.blocks.end; ++b)
+      addToBlock<kIsotropic, kGray>(tree, tile, photons[pair.photon], b);
+}
+
+/// The photons of a group that may be in a cell of the tile, made ready, and their cells. Returns
+/// how many photons that are.
+BRUME_KERNEL inline std::size_t prepareGroup(const BeamTreeView& tree, const TileGather& tile,
+                                             std::span<const BeamPhoton> photons,
+                                             std::span<const std::uint32_t> indices,
+                                             std::span<const std::uint32_t> pairs,
+                                             PhotonState* states, CellOfPhoton* cells) {
+  // Without branches that depend on the pairs; the first cell of a photon is written last.
+  std::array<std::uint32_t, kPhotonGroup> nearBlock{}, isThere{}, place;
+  for (std::size_t i = pairs.size(); i-- > 0;) {
+    const std::uint32_t photon = pairs[i] >> kNodeBits;
+    cells[i] = {photon, blocksOfPair(tree, tile.tile, pairs[i])};
+    nearBlock[photon] = cells[i].blocks.begin;
+    isThere[photon] = 1;
   }
+  std::array<std::uint32_t, kPhotonGroup> there;
+  std::uint32_t n = 0;
+  for (std::uint32_t i = 0; i < indices.size(); ++i) {
+    there[n] = i;
+    place[i] = n;
+    n += isThere[i];
+  }
+  for (CellOfPhoton& cell : std::span(cells, pairs.size())) cell.photon = place[cell.photon];
+  for (std::uint32_t i = 0; i < n; ++i) {
+    states[i] = stateOf(photons[indices[there[i]]]);
+    states[i].tKnown = nearT(tree.blocks[nearBlock[there[i]]], tile, states[i].p);
+  }
+  findSeries(tile, {states, n});
+  return n;
 }
 
 /// Adds a group of photons to the sums of a tile.
 BRUME_KERNEL inline void gatherGroup(const BeamTreeView& tree, const TileGather& tile,
-                                     std::span<PhotonState> photons) {
+                                     std::span<const BeamPhoton> photons,
+                                     std::span<const std::uint32_t> indices,
+                                     GroupScratch& scratch) {
   std::array<Vec3, kPhotonGroup> positions;
+  for (std::size_t i = 0; i < indices.size(); ++i) positions[i] = photons[indices[i]].p;
+  const std::size_t count =
+      findCells(tree, tile.tile, {positions.data(), indices.size()}, scratch.pairs.data());
+  const std::size_t n = prepareGroup(tree, tile, photons, indices, {scratch.pairs.data(), count},
+                                     scratch.states.data(), scratch.cells.data());
+  const std::span<const PhotonState> states(scratch.states.data(), n);
+  const std::span<const CellOfPhoton> cells(scratch.cells.data(), count);
   bool isIsotropic = true;
-  for (std::size_t i = 0; i < photons.size(); ++i) {
-    positions[i] = photons[i].p;
-    isIsotropic &= photons[i].a == 0;
-  }
-  std::array<std::uint32_t, kCellPairs> cells;
-  const std::size_t n =
-      findCells(tree, tile.tile, {positions.data(), photons.size()}, cells.data());
-  const std::span<const std::uint32_t> pairs(cells.data(), n);
-  findNearT(tree, tile, photons, pairs);
-  findSeries(tile, photons);
+  for (const PhotonState& photon : states) isIsotropic &= photon.a == 0;
   if (isIsotropic && tile.isGray)
-    gatherCells<true, true>(tree, tile, photons, pairs);
+    gatherPairs<true, true>(tree, tile, states, cells);
   else if (isIsotropic)
-    gatherCells<true, false>(tree, tile, photons, pairs);
+    gatherPairs<true, false>(tree, tile, states, cells);
   else if (tile.isGray)
-    gatherCells<false, true>(tree, tile, photons, pairs);
+    gatherPairs<false, true>(tree, tile, states, cells);
   else
-    gatherCells<false, false>(tree, tile, photons, pairs);
+    gatherPairs<false, false>(tree, tile, states, cells);
 }
 
 /// The sums of a block in their unit: with the kernel's factor, and transmittance counted from each
