@@ -14,8 +14,9 @@
 namespace brume {
 namespace {
 
-/// Level whose nodes are tiles, where the tree is so high: 64 cells, 512 beams.
-constexpr std::uint32_t kTileLevel = 1;
+/// Tiles are the nodes of the highest level, up to this one, that has so many of them.
+constexpr std::uint32_t kMostTileLevel = 2;
+constexpr std::size_t kFewestTiles = 64;
 /// Cells or nodes that one task of the build bounds.
 constexpr std::int64_t kCellsAtOnce = 512;
 /// Photons that one task distributes to tiles.
@@ -210,13 +211,15 @@ void BeamQuadtree::buildLevels(std::vector<BeamFrustum> frusta) {
     frusta = std::move(bounds);
   } while (frusta.size() > 1);
   view_.topLevel = static_cast<std::uint32_t>(levels_.size() - 1);
-  view_.tileLevel = std::min(kTileLevel, view_.topLevel);
+  while (view_.tileLevel < std::min(kMostTileLevel, view_.topLevel) &&
+         levels_[view_.tileLevel + 1].size() >= kFewestTiles)
+    ++view_.tileLevel;
   for (std::size_t i = 0; i < levels_.size(); ++i) view_.levels[i] = levels_[i].data();
 }
 
 BlockRange BeamQuadtree::blocksOf(std::size_t tile) const {
   const std::size_t cellCount = blockBegin_.size() - 1;
-  const std::size_t cells = view_.tileLevel == 0 ? kLanes : kLanes * kLanes;
+  const std::size_t cells = view_.cellsPerTile();
   return {blockBegin_[std::min(cellCount, tile * cells)],
           blockBegin_[std::min(cellCount, (tile + 1) * cells)]};
 }
@@ -225,13 +228,14 @@ void BeamQuadtree::findPairs(const PhotonPositions& photons, Sink sink, void* co
   forEachTile(photons, [&](std::size_t tile, std::span<const std::uint32_t> indices) {
     BeamPairBuffer found(sink, context);
     std::array<Vec3, kPhotonGroup> group;
+    CellLists lists;
     for (; !indices.empty(); indices = indices.subspan(std::min(kPhotonGroup, indices.size()))) {
       const auto some = indices.first(std::min(kPhotonGroup, indices.size()));
       for (std::size_t i = 0; i < some.size(); ++i) group[i] = photons[some[i]];
       if (hasAvx2())
-        avx2::findPairsInTile(view_, tile, {group.data(), some.size()}, some, found);
+        avx2::findPairsInTile(view_, tile, {group.data(), some.size()}, some, lists, found);
       else
-        generic::findPairsInTile(view_, tile, {group.data(), some.size()}, some, found);
+        generic::findPairsInTile(view_, tile, {group.data(), some.size()}, some, lists, found);
     }
     found.flush();
   });

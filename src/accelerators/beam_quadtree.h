@@ -13,7 +13,7 @@
 // are cut into pieces, disjoint by the float values of t; the pieces, halved again and again by the
 // widest axis of their middles, take the places of the cells.
 //
-// A tile is the subtree of a node two levels above the blocks. Photons are distributed to tiles in
+// A tile is a subtree of up to three levels. Photons are distributed to tiles in
 // their order, then each tile is served by one task.
 #pragma once
 
@@ -32,9 +32,13 @@ struct BlockRange {
   std::uint32_t begin, end;
 };
 
-/// Photons that are searched for at once, and room for the cells of a tile that they may be in.
-inline constexpr std::size_t kPhotonGroup = 32;
-inline constexpr std::size_t kCellPairs = kPhotonGroup * kLanes * kLanes + kLanes;
+/// Photons that are searched for at once in a tile.
+inline constexpr std::size_t kPhotonGroup = 16;
+/// Places for pairs of these photons and cells of a tile, which has three levels at most.
+inline constexpr std::size_t kCellPairs = (kPhotonGroup * kLanes * kLanes + 1) * kLanes;
+struct CellLists {
+  std::array<std::uint32_t, kCellPairs> now, next;
+};
 
 /// Two lists that take turns.
 struct PairLists {
@@ -60,6 +64,7 @@ struct BeamTreeView {
   std::uint32_t topLevel = 0, tileLevel = 0;     ///< of the root; of the nodes that are tiles
   const Row* pieceStarts = nullptr;  ///< by block: t0 of the beam a piece is from; null: no pieces
 
+  std::size_t cellsPerTile() const { return kLanes << 3 * tileLevel; }
   /// Where the beams of a block start, not their pieces; infinite where there is none.
   const Row& startsOf(std::uint32_t block) const {
     return pieceStarts ? pieceStarts[block] : blocks[block].t0;

@@ -67,23 +67,27 @@ BRUME_KERNEL inline void findTiles(const BeamTreeView& tree, std::span<const Vec
 }
 
 /// Pairs of photons of a group and the cells of a tile, counted from its first, that may contain
-/// them. `to` has room for all and 7 words more.
-BRUME_KERNEL inline std::size_t findCells(const BeamTreeView& tree, std::size_t tile,
-                                          std::span<const Vec3> photons, std::uint32_t* to) {
-  std::array<std::uint32_t, kPhotonGroup> all;
-  for (std::uint32_t i = 0; i < photons.size(); ++i) all[i] = i << kNodeBits;
-  const std::span<const std::uint32_t> tiles(all.data(), photons.size());
-  if (tree.tileLevel == 0) return expandPairs(tree.levels[0] + tile, photons.data(), tiles, to);
-  std::array<std::uint32_t, kLanes * (kPhotonGroup + 1)> nodes;
-  const std::size_t n = expandPairs(tree.levels[1] + tile, photons.data(), tiles, nodes.data());
-  return expandPairs(tree.levels[0] + kLanes * tile, photons.data(), {nodes.data(), n}, to);
+/// them; they stand in `lists`.
+BRUME_KERNEL inline std::span<const std::uint32_t> findCells(const BeamTreeView& tree,
+                                                             std::size_t tile,
+                                                             std::span<const Vec3> photons,
+                                                             CellLists& lists) {
+  std::uint32_t *now = lists.now.data(), *next = lists.next.data();
+  std::size_t count = photons.size();
+  for (std::uint32_t i = 0; i < count; ++i) now[i] = i << kNodeBits;
+  for (std::uint32_t level = tree.tileLevel + 1; level-- > 0;) {
+    const std::size_t first = tile << 3 * (tree.tileLevel - level);
+    count = expandPairs(tree.levels[level] + first, photons.data(), {now, count}, next);
+    std::swap(now, next);
+  }
+  return {now, count};
 }
 
 /// The blocks of the cell of a pair.
 BRUME_KERNEL inline BlockRange blocksOfPair(const BeamTreeView& tree, std::size_t tile,
                                             std::uint32_t pair) {
-  const std::size_t cellsOfTile = tree.tileLevel == 0 ? kLanes : kLanes * kLanes;
-  const std::uint32_t* begin = tree.blockBegin + cellsOfTile * tile + (pair & kNodeMask);
+  const std::uint32_t* begin =
+      tree.blockBegin + tree.cellsPerTile() * tile + (pair & kNodeMask);
   return {begin[0], begin[1]};
 }
 
@@ -91,10 +95,8 @@ BRUME_KERNEL inline BlockRange blocksOfPair(const BeamTreeView& tree, std::size_
 BRUME_KERNEL inline void findPairsInTile(const BeamTreeView& tree, std::size_t tile,
                                          std::span<const Vec3> photons,
                                          std::span<const std::uint32_t> indices,
-                                         BeamPairBuffer& found) {
-  std::array<std::uint32_t, kCellPairs> cells;
-  const std::size_t count = findCells(tree, tile, photons, cells.data());
-  for (const std::uint32_t pair : std::span(cells.data(), count)) {
+                                         CellLists& lists, BeamPairBuffer& found) {
+  for (const std::uint32_t pair : findCells(tree, tile, photons, lists)) {
     const std::uint32_t photon = pair >> kNodeBits;
     const PhotonLanes p(photons[photon]);
     const BlockRange blocks = blocksOfPair(tree, tile, pair);

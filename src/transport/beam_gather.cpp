@@ -74,7 +74,7 @@ struct CellOfPhoton {
 
 /// Room for a group of photons.
 struct GroupScratch {
-  std::array<std::uint32_t, kCellPairs> pairs;
+  CellLists lists;
   std::array<CellOfPhoton, kCellPairs> cells;
   std::array<PhotonState, kPhotonGroup> states;
 };

@@ -153,12 +153,12 @@ BRUME_KERNEL inline void gatherGroup(const BeamTreeView& tree, const TileGather&
                                      GroupScratch& scratch) {
   std::array<Vec3, kPhotonGroup> positions;
   for (std::size_t i = 0; i < indices.size(); ++i) positions[i] = photons[indices[i]].p;
-  const std::size_t count =
-      findCells(tree, tile.tile, {positions.data(), indices.size()}, scratch.pairs.data());
-  const std::size_t n = prepareGroup(tree, tile, photons, indices, {scratch.pairs.data(), count},
-                                     scratch.states.data(), scratch.cells.data());
+  const auto pairs =
+      findCells(tree, tile.tile, {positions.data(), indices.size()}, scratch.lists);
+  const std::size_t n = prepareGroup(tree, tile, photons, indices, pairs, scratch.states.data(),
+                                     scratch.cells.data());
   const std::span<const PhotonState> states(scratch.states.data(), n);
-  const std::span<const CellOfPhoton> cells(scratch.cells.data(), count);
+  const std::span<const CellOfPhoton> cells(scratch.cells.data(), pairs.size());
   bool isIsotropic = true;
   for (const PhotonState& photon : states) isIsotropic &= photon.a == 0;
   if (isIsotropic && tile.isGray)
