@@ -17,6 +17,7 @@ constexpr int kProbesPerAxis = 16;          // pixels that are looked through, a
 constexpr std::size_t kMaxPhotons = 16384;  // that are looked at
 constexpr std::size_t kNearest = 64;        // photons per beam whose transmittance is looked up
 constexpr double kEnough = 8;               // of them, weighted, for an estimate
+constexpr double kLargest = 0.05;           // of the media's diagonal
 constexpr double kDefault = 0.01;           // of the scene's diagonal
 
 /// Every n-th position of one kind of photon.
@@ -107,8 +108,12 @@ FirstRadii firstRadii(const Scene& scene, const PassContext& context,
         points.push_back(double{found.front().distance2()} * pointCount / kEnough);
     }
   const double fallback = kDefault * double{length(scene.bounds().diagonal())};
-  return {std::sqrt(median(beams).value_or(sqr(fallback))),
-          std::sqrt(median(points).value_or(sqr(fallback)))};
+  FirstRadii radii{std::sqrt(median(beams).value_or(sqr(fallback))),
+                   std::sqrt(median(points).value_or(sqr(fallback)))};
+  if (scene.volume())
+    radii.beam =
+        std::min(radii.beam, kLargest * double{length(scene.volume()->bounds().diagonal())});
+  return radii;
 }
 
 }  // namespace brume

@@ -20,8 +20,9 @@ struct FirstRadii {
 
 /// Looks through a coarse grid of pixels. For each ray, the radius around it within which a pass
 /// will leave kPhotonsPerBeam photons in the media, and the one around its hit for surfaces; of
-/// all, the medians. `perPhoton`: the photons of a pass for each one given. Where nothing is seen
-/// or no photons are there: a hundredth of the scene's diagonal.
+/// all, the medians; beams at most a twentieth of the media's diagonal. `perPhoton`: the photons of
+/// a pass for each one given. Where nothing is seen or no photons are there: a hundredth of the
+/// scene's diagonal.
 FirstRadii firstRadii(const Scene& scene, const PassContext& context,
                       std::span<const Photon> photons, double perPhoton);
 

@@ -49,6 +49,17 @@ PhotonClass volumeClass(Stage stage) {
                                     : PhotonClass::VolumeMultiple;
 }
 
+/// Below this share of a light's power towards the media its paths are split.
+constexpr float kSmallShare = 0.4f;
+
+/// Whether a light path would enter the ball, as oneMinusCosSeen sees it.
+bool meets(const Ball& ball, const LightEmission& emission) {
+  const Vec3d toCenter = Vec3d(ball.center) - Vec3d(emission.o), d(emission.d);
+  const double along = dot(toCenter, d), distance2 = dot(toCenter, toCenter),
+               radius2 = sqr(double{ball.radius});
+  return distance2 <= radius2 || (along > 0 && distance2 - along * along <= radius2);
+}
+
 float largest(const Rgb& power) {
   return std::max(std::abs(power.r), std::max(std::abs(power.g), std::abs(power.b)));
 }
@@ -74,16 +85,29 @@ struct PhotonTracer::Path {
 
 PhotonTracer::PhotonTracer(const Scene& scene, const PhotonRequest& request)
     : scene_(scene), request_(request), target_(ballAround(scene.bounds())) {
+  const Volume* volume = scene.volume();
+  if (volume && !(request.wanted & kVolumePhotons).isEmpty()) media_ = ballAround(volume->bounds());
   std::vector<float> weights;
-  for (const auto& light : scene.lights()) {
-    const float weight = lightWeight(light->powerToward(target_));
-    if (!(weight > 0) || !std::isfinite(weight)) continue;
-    lights_.push_back(light.get());
+  for (const auto& light : scene.lights()) addLight(*light, weights);
+  if (volume && volume->isEmissive()) {
+    sources_.push_back({});
+    weights.push_back(4 * kPi * lightWeight(volume->totalEmission()));
+  }
+  if (!weights.empty()) choice_ = Distribution1D(weights);
+}
+
+void PhotonTracer::addLight(const Light& light, std::vector<float>& weights) {
+  const float weight = lightWeight(light.powerToward(target_));
+  if (!(weight > 0) || !std::isfinite(weight)) return;
+  const float toMedia = media_.radius > 0 ? lightWeight(light.powerToward(media_)) : 0.f;
+  if (toMedia > 0 && toMedia < kSmallShare * weight) {
+    sources_.push_back({&light, Source::Rays::ToMedia});
+    sources_.push_back({&light, Source::Rays::PastMedia});
+    weights.insert(weights.end(), 2, 0.5f * weight);
+  } else {
+    sources_.push_back({&light, Source::Rays::All});
     weights.push_back(weight);
   }
-  if (scene.volume() && scene.volume()->isEmissive())
-    weights.push_back(4 * kPi * lightWeight(scene.volume()->totalEmission()));
-  if (!weights.empty()) choice_ = Distribution1D(weights);
 }
 
 bool PhotonTracer::emit(PathRandom& random, Path& path) const {
@@ -93,11 +117,14 @@ bool PhotonTracer::emit(PathRandom& random, Path& path) const {
   u.direction = random.get2D();
   const float time = lerp(request_.shutter.t0, request_.shutter.t1, random.get1D());
   path.ray.time = time;
-  if (chosen.index == lights_.size()) {
+  const Source& source = sources_[chosen.index];
+  if (!source.light) {
     if (!emitFromMedia(random, sampleUniformSphere(u.direction), path)) return false;
   } else {
-    const auto emission = lights_[chosen.index]->sampleEmission(target_, u);
+    const bool toMedia = source.rays == Source::Rays::ToMedia;
+    const auto emission = source.light->sampleEmission(toMedia ? media_ : target_, u);
     if (!emission) return false;
+    if (source.rays != Source::Rays::All && meets(media_, *emission) != toMedia) return false;
     path.ray = Ray{emission->o, emission->d, kInfinity, time};
     path.power = emission->power;
   }

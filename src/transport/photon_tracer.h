@@ -39,6 +39,8 @@ struct PhotonSet {
 ///       |wo.ng| |wi.ns| / (|wi.ng| |wo.ns|),  wi to the light, wo the way the path goes on,
 ///     and (eta_i / eta_o)^2 where it is refracted: radiance is not scaled there (PBRT-v2);
 ///   - Russian roulette on the ratio of powers, so that photons have about equal power.
+/// Where the media are much smaller than the scene, half of a light's paths are aimed at the ball
+/// around them, and the others keep clear of it: each ray has one way to be drawn.
 /// Media that emit are one more light, of power 4 pi Int Le dV; no other estimator looks for their
 /// light, so it counts as scattered from the start (SurfaceIndirect, VolumeMultiple).
 /// A path ends when nothing that is wanted can come of it. Photons that leave the scene are gone.
@@ -48,7 +50,7 @@ class PhotonTracer {
   PhotonTracer(const Scene& scene, const PhotonRequest& request);
 
   /// Whether any light sends photons.
-  bool hasLights() const { return choice_.size() > 0; }
+  bool hasLights() const { return !sources_.empty(); }
   const PhotonRequest& request() const { return request_; }
 
   /// Appends the deposits of one path, of the classes `wanted`, as if it were the only path.
@@ -68,11 +70,19 @@ class PhotonTracer {
   bool scatterAtSurface(Path& path, const SurfaceInteraction& at, PhotonClasses wanted,
                         std::vector<Photon>& photons, PathRandom& random) const;
 
+  /// A light and which of its rays are drawn.
+  struct Source {
+    enum class Rays { All, ToMedia, PastMedia };
+    const Light* light = nullptr;  // null: the media
+    Rays rays = Rays::All;
+  };
+  void addLight(const Light& light, std::vector<float>& weights);
+
   const Scene& scene_;
   PhotonRequest request_;
-  Ball target_;
-  std::vector<const Light*> lights_;
-  Distribution1D choice_;  // over lights_, and the media behind them when they emit
+  Ball target_, media_;
+  std::vector<Source> sources_;
+  Distribution1D choice_;  // over sources_
 };
 
 /// How many photons of each class to store; 0: none of it.

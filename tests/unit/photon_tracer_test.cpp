@@ -181,6 +181,28 @@ TEST(PhotonTracer, WhiteFurnaceHasTheFluenceOfTheSky) {
   }
 }
 
+TEST(PhotonTracer, AimingAtSmallMediaChangesNoExpectation) {
+  // A small box of thin fog over a large floor, lit from far away: paths are split, and the power
+  // of the photons is what Beer-Lambert says.
+  const std::string floor =
+      "Material \"matte\" \"color Kd\" [0 0 0] Translate 0 -3 5 Rotate 90 1 0 0 Shape \"disk\" "
+      "\"float radius\" 60 ";
+  for (const std::string light :
+       {"LightSource \"distant\" \"point from\" [0 1 0] ",
+        "LightSource \"point\" \"point from\" [0 40 5] \"color I\" [1600 1600 1600] ",
+        "LightSource \"spot\" \"point from\" [0 40 5] \"point to\" [0 0 5] "
+        "\"float coneangle\" 60 \"color I\" [1600 1600 1600] "}) {
+    const auto job = sceneOf(light + box("\"color sigma_a\" [.1 .1 .1]", 1) + floor);
+    const Estimate e =
+        totalPower(job->scene(), {kVolumePhotons}, PhotonClass::VolumeUnscattered, 0, 8000);
+    // Irradiance 1 on a face of 4, of which 1 - exp(-0.2) collides; a point light's rays diverge,
+    // and its irradiance falls, by some 0.1 % over the box.
+    const double expected = 4 * -std::expm1(-0.2);
+    EXPECT_NEAR(e.mean, expected, 4 * e.standardError + 0.003 * expected) << light;
+    EXPECT_LT(e.standardError, 0.01 * expected);
+  }
+}
+
 TEST(PhotonTracer, EmissiveMediaAreLights) {
   // Le = sigma_a B for B = 1 and albedo 1/2: what is emitted is absorbed but for what leaves the
   // thick box, so deposits (power in = absorbed + scattered) are 4 pi Le V / (1 - albedo), less the
