@@ -194,7 +194,7 @@ TEST(PhotonTracer, AimingAtSmallMediaChangesNoExpectation) {
         "\"float coneangle\" 60 \"color I\" [1600 1600 1600] "}) {
     const auto job = sceneOf(light + box("\"color sigma_a\" [.1 .1 .1]", 1) + floor);
     const Estimate e =
-        totalPower(job->scene(), {kVolumePhotons}, PhotonClass::VolumeUnscattered, 0, 8000);
+        totalPower(job->scene(), {kVolumePhotons}, PhotonClass::VolumeUnscattered, 0, 20000);
     // Irradiance 1 on a face of 4, of which 1 - exp(-0.2) collides; a point light's rays diverge,
     // and its irradiance falls, by some 0.1 % over the box.
     const double expected = 4 * -std::expm1(-0.2);
