@@ -61,7 +61,7 @@ class Pvpm final : public PassGlobalIntegrator {
       v(photonsperpass, "photonsperpass", Range<int>{1, 1 << 30}, Unit::None,
         "light paths of a pass");
       v(radius, "radius", kPositive, Unit::Length,
-        "of the beams in the first pass; by default so that a beam meets some 10 photons");
+        "of the beams in the first pass; by default so that a beam meets some 50 photons");
       v(surfaceradius, "surfaceradius", kPositive, Unit::Length,
         "on surfaces in the first pass; by default so that a point meets some 10 photons");
       v(schedule, "schedule", {{"global", Schedule::Global}, {"beam", Schedule::Beam}},
