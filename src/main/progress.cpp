@@ -40,6 +40,8 @@ std::string progressText(const RenderProgress& progress) {
   }
   if (progress.seconds > 0 && progress.rays > 0)
     text += fmt::format("  {}rays/s", countText(double(progress.rays) / progress.seconds));
+  if (progress.seconds > 0 && progress.photons > 0)
+    text += fmt::format("  {}photons/s", countText(double(progress.photons) / progress.seconds));
   if (progress.estimatedError) text += fmt::format("  error {:.2g}", *progress.estimatedError);
   return text;
 }

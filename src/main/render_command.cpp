@@ -45,6 +45,9 @@ std::uint64_t peakMemory() {
   return std::uint64_t(usage.ru_maxrss) * 1024;  // Linux counts in KiB
 }
 
+/// A progressive render leaves its first image after this time, the next ones at growing intervals.
+constexpr double kSecondsToFirstImage = 2;
+
 /// One call of brume: the scenes of a RenderCommand and what became of them.
 class RenderRun {
  public:
@@ -144,7 +147,15 @@ void RenderRun::render(RenderJob& job, FrameReport report) {
   log_.verbose(fmt::format("rendering {} with {} threads", film.filename, threadCount()));
   const RenderResult result = [&] {
     ProgressLine line(command_.log.verbosity);
-    return job.run(signals.stop(), [&](const RenderProgress& p) { line.show(p); });
+    const auto show = [&](const RenderProgress& p) { line.show(p); };
+    if (!job.isProgressive()) return job.run(signals.stop(), show);
+    // Whoever waits can look: the file is replaced by better ones, each whole.
+    double nextRefresh = kSecondsToFirstImage;
+    return job.run(signals.stop(), show, [&](const RenderResult& soFar) {
+      if (soFar.seconds < nextRefresh) return;
+      writeOutput(film.filename, soFar, film.precision);
+      nextRefresh = kSnapshotGrowth * soFar.seconds;
+    });
   }();
   Stopwatch watch;
   writeOutput(film.filename, result, film.precision);

@@ -70,9 +70,10 @@ std::int64_t PortionLoop::nextPortion() const {
 }
 
 std::optional<StopReason> PortionLoop::limitReached() {
-  if (limits_.targetError && outcome_.samples >= std::min(kMinSamplesForError, total_)) {
+  if (film_.settings().withVariance && outcome_.samples >= std::min(kMinSamplesForError, total_)) {
     outcome_.estimatedError = film_.estimatedRelativeError();
-    if (*outcome_.estimatedError <= *limits_.targetError) return StopReason::Error;
+    if (limits_.targetError && *outcome_.estimatedError <= *limits_.targetError)
+      return StopReason::Error;
   }
   if (outcome_.samples >= total_) return StopReason::Done;
   if (limits_.maxSeconds && outcome_.seconds >= *limits_.maxSeconds) return StopReason::Time;
@@ -87,6 +88,7 @@ RenderProgress PortionLoop::progressAt(double share, std::int64_t portion,
   p.seconds = seconds();
   p.pass = static_cast<int>(outcome_.samples / limits_.round) + 1;
   p.rays = stats[Stat::IntersectionRays] + stats[Stat::ShadowRays];
+  p.photons = stats[Stat::PhotonsStored];
   p.estimatedError = outcome_.estimatedError;
   p.fraction = samples / static_cast<double>(total_);
   if (limits_.maxSeconds) p.fraction = std::max(p.fraction, p.seconds / *limits_.maxSeconds);

@@ -235,6 +235,7 @@ RenderResult RenderJob::run(const std::atomic<bool>& stop,
   return p.resultAt(renderPortions(*renderer, *p.film, limits, stop, stats, watch), stats);
 }
 
+bool RenderJob::isProgressive() const { return parts_->passes != nullptr; }
 const Film& RenderJob::film() const { return *parts_->film; }
 const Scene& RenderJob::scene() const { return *parts_->scene; }
 const std::vector<RenderJob::UsedPlugin>& RenderJob::plugins() const { return parts_->plugins; }

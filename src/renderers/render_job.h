@@ -37,7 +37,7 @@ struct RenderProgress {
   double fraction = 0;  ///< of the work, 0..1, as far as it is known
   int pass = 0;
   double seconds = 0;
-  std::uint64_t rays = 0;
+  std::uint64_t rays = 0, photons = 0;
   std::optional<double> estimatedError;
 };
 
@@ -72,6 +72,8 @@ class RenderJob {
                    const std::function<void(const RenderProgress&)>& progress,
                    const std::function<void(const RenderResult&)>& snapshot = {});
 
+  /// Whether the image is made by passes, each of which improves all of it.
+  bool isProgressive() const;
   const Film& film() const;
   const Scene& scene() const;
   /// Each plugin in use with its effective parameters, for metadata and statistics.
