@@ -127,6 +127,13 @@ bool Scene::isOccluded(const Ray& ray, Stats& stats) const {
   return accelerator_->occluded(ray);
 }
 
+bool Scene::isMoving() const {
+  const auto& instances = contents_.groups.back().instances;
+  return std::ranges::any_of(instances, [](const PrimitiveGroup::Instance& instance) {
+    return instance.groupToParent.isAnimated();
+  });
+}
+
 Ray Scene::shadowRay(const SurfaceInteraction& from, const LightSample& to) {
   const Vec3 origin = from.offsetOrigin(to.wi);
   if (!std::isfinite(to.distance)) return {origin, to.wi, kInfinity, from.time};

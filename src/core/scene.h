@@ -50,6 +50,8 @@ class Scene {
   const std::vector<const Light*>& infiniteLights() const { return infiniteLights_; }
   /// The sum of all Volumes; null without any.
   const Volume* volume() const { return volume_; }
+  /// Whether any surface moves.
+  bool isMoving() const;
   const Bounds3& bounds() const { return bounds_; }  ///< of surfaces and volumes
   const Vec3d& sceneOrigin() const { return contents_.sceneOrigin; }
   const Contents& contents() const { return contents_; }

@@ -56,6 +56,7 @@ void traceTile(const PassContext& context, const CameraPaths& paths,
       sampler->startPixel({x, y});
       CameraSample sample = sampler->startSample(static_cast<int>(context.pass));
       if (options.throughCentres) sample.raster = Vec2(x, y) + Vec2(0.5f);
+      if (options.moment) sample.time = *options.moment;
       FootprintRay ray = context.camera.generateRay(sample);
       if (!context.footprints) ray.differential.reset();
       tile.stats.add(Stat::CameraRays);

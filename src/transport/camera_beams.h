@@ -52,6 +52,7 @@ struct CameraBeamOptions {
   float beamRadius = 0;                       ///< of all beams, unless each pixel has its own
   std::span<const float> pixelRadii;          ///< by Beam::pixel, or empty
   bool throughCentres = false;                ///< fixed beams instead of jittered ones
+  std::optional<float> moment;                ///< time of all camera rays, part of the shutter
   const SurfacePhotonMap* surface = nullptr;  ///< photons on surfaces, or none
   float surfaceRadius = 0;
 };

@@ -171,6 +171,27 @@ TEST(Pvpm, MirrorsShowTheFogBehind) {
   EXPECT_LT(pvpm.mean, 1.5 * truth.mean);
 }
 
+TEST(Pvpm, BeamsMeetPhotonsOfTheirOwnTime) {
+  // A card moves through the fog from the lamp past the camera: while it is between the two, the
+  // camera sees fog in its shadow, which photons of other times would light.
+  const std::string card =
+      "AttributeBegin Material \"matte\" \"color Kd\" [0 0 0] "
+      "ActiveTransform StartTime Translate 0 0 .5 ActiveTransform EndTime Translate 0 0 -6 "
+      "ActiveTransform All "
+      "Shape \"disk\" \"float radius\" 40 AttributeEnd ";
+  const std::string world =
+      "LightSource \"point\" \"point from\" [0 0 2] " + fog("\"color sigma_s\" [1 1 1]") + card;
+  const auto render = [&](const std::string& integrator) {
+    return meanOverSeeds(scene(integrator, world, 8, "0 0 -4 0 0 0 0 1 0", 10, 16), 8);
+  };
+  const Estimate truth = render("\"volpath\"");
+  const Estimate pvpm = render(
+      "\"pvpm\" \"integer passes\" 16 \"integer photonsperpass\" 2000 \"float radius\" .1 \"bool "
+      "directvolume\" \"false\"");
+  EXPECT_NEAR(pvpm.mean, truth.mean,
+              4 * std::hypot(pvpm.standardError, truth.standardError) + 0.03 * truth.mean);
+}
+
 TEST(Pvpm, AWhiteFurnaceIsWhite) {
   // Albedo 1 under radiance 1: the middle of the image is 1 but for noise.
   const Estimate e = meanOverSeeds(

@@ -5,6 +5,7 @@
 
 #include "accelerators/beam_quadtree.h"
 #include "core/log.h"
+#include "core/lowdiscrepancy.h"
 #include "core/plan.h"
 #include "core/registry.h"
 #include "transport/beam_radiance.h"
@@ -92,6 +93,7 @@ class Pvpm final : public PassGlobalIntegrator {
     tracer_ = std::make_unique<PhotonTracer>(
         scene_, PhotonRequest{wanted_, context.shutter, params_.maxdepth});
     if (!tracer_->hasLights()) wanted_ = {};
+    shutter_ = context.shutter;
     keepPhotons(context);
   }
   void describe(Plan& plan) const override;
@@ -103,6 +105,7 @@ class Pvpm final : public PassGlobalIntegrator {
   PhotonClasses wantedPhotons() const;
   void keepPhotons(const PrepareContext& context);
   void chooseRadii(const PassContext& context);
+  std::optional<float> momentOf(const PassContext& context);
   void prepareRadii(const PassContext& context, CameraBeamOptions& options);
   void shrinkPixelRadii(const OwnedBeams& beams, std::span<const BeamSum> sums);
   PhotonSet tracePhotons(std::uint64_t seed, std::uint64_t pass, int paths,
@@ -116,6 +119,7 @@ class Pvpm final : public PassGlobalIntegrator {
   PhotonClasses wanted_;
   CameraPaths paths_;
   std::unique_ptr<PhotonTracer> tracer_;
+  Interval shutter_;
   std::optional<PhotonSet> kept_;  // loaded: the same for every pass
   std::optional<RadiusSchedule> beamRadius_, surfaceRadius_;
   std::vector<CountedRadius> countedRadii_;  // of each pixel, schedule "beam"
@@ -258,8 +262,21 @@ void Pvpm::shrinkPixelRadii(const OwnedBeams& beams, std::span<const BeamSum> su
                                                double{params_.alpha});
 }
 
+/// The time of a pass in a scene that moves, as part of the shutter's: photons and beams of one
+/// pass must see the same scene. Evenly spread over the passes.
+std::optional<float> Pvpm::momentOf(const PassContext& context) {
+  if (!scene_.isMoving()) return std::nullopt;
+  const float u = shiftedRadicalInverse(2, static_cast<std::uint32_t>(context.pass),
+                                        static_cast<std::uint32_t>(hashIntegers(context.seed)));
+  const float time = lerp(shutter_.t0, shutter_.t1, u);
+  tracer_ = std::make_unique<PhotonTracer>(scene_,
+                                           PhotonRequest{wanted_, {time, time}, params_.maxdepth});
+  return u;
+}
+
 bool Pvpm::renderPass(const PassContext& context, const std::function<void(double)>& onShare) {
   if (context.pass == 0) chooseRadii(context);
+  const std::optional<float> moment = momentOf(context);
   // Photons first, so that visible points gather them at once and need not be kept.
   const PhotonSet traced =
       kept_ ? PhotonSet{}
@@ -270,6 +287,7 @@ bool Pvpm::renderPass(const PassContext& context, const std::function<void(doubl
   onShare(0.3);
 
   CameraBeamOptions options;
+  options.moment = moment;
   options.throughCentres = params_.fixedbeams;
   std::optional<SurfacePhotonMap> surface;
   if (surfaceRadius_) {
