@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Beam lookups: how fast, and how it grows.
 //
-//   brume_beams [report | splat | growth | all] [--json FILE]
+//   brume_beams report | splat | growth
 //
 //   report   512 x 512 beams, 10,000 photons: every lookup against the plain scan, beam by beam
 //   splat    512 x 512 beams, radius of 4 pixels: pairs per second beside a naive raster splat
@@ -181,7 +181,7 @@ void printRate(const std::string& name, double seconds, std::size_t photons, std
 void splat() {
   const View view;
   const float radius = view.radiusOf(4);
-  const std::size_t count = 40000;
+  const std::size_t count = 200000;
   const auto sorted = makePhotons(count, true), unsorted = makePhotons(count, false);
   fmt::print("| lookup | ms | M photons/s | M pairs/s | ns/pair |\n|---|---|---|---|---|\n");
 
@@ -245,10 +245,132 @@ void splat() {
              1e-6 * static_cast<double>(space.memoryBytes()));
 }
 
+/// Photons one coordinate after the other, for scans that the compiler vectorises.
+struct PhotonArrays {
+  std::vector<float> x, y, z;
+  explicit PhotonArrays(const std::vector<BeamPhoton>& photons) {
+    for (const BeamPhoton& photon : photons) {
+      x.push_back(photon.p.x);
+      y.push_back(photon.p.y);
+      z.push_back(photon.p.z);
+    }
+  }
+};
+
+/// How many photons a beam contains, by a plain scan in vectors.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
+__attribute__((target("avx2"), optimize("O3")))
+#endif
+std::uint64_t
+countInBeam(const Beam& beam, const PhotonArrays& photons) {
+  const float *x = photons.x.data(), *y = photons.y.data(), *z = photons.z.data();
+  const std::size_t count = photons.x.size();
+  const float ox = beam.o.x, oy = beam.o.y, oz = beam.o.z, dx = beam.d.x, dy = beam.d.y,
+              dz = beam.d.z, t0 = beam.t0, t1 = beam.t1, radius2 = beam.radius * beam.radius;
+  std::uint32_t n = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const float qx = x[i] - ox, qy = y[i] - oy, qz = z[i] - oz;
+    const float t = qx * dx + qy * dy + qz * dz;
+    const float ex = qx - t * dx, ey = qy - t * dy, ez = qz - t * dz;
+    n += (t >= t0) & (t <= t1) & (ex * ex + ey * ey + ez * ez < radius2) ? 1u : 0u;
+  }
+  return n;
+}
+
+/// The report's experiment: 10,000 photons, 512 x 512 beams.
+void report() {
+  const View view;
+  const float radius = view.radiusOf(4);
+  const auto photons = makePhotons(10000, false);
+  const auto beams = makeBeams(view, radius, true);
+  const PhotonPositions positions{std::span(photons), &BeamPhoton::p};
+  const auto count = [](void* n, const BeamPairs& pairs) {
+    *static_cast<std::uint64_t*>(n) += pairs.slots.size();
+  };
+  std::uint64_t pairs = 0;
+  const LinearBeams linear(beams);
+  const double plain = bestOf(1, [&] { linear.findPairs(positions, count, &pairs); });
+  const PhotonArrays arrays(photons);
+  std::uint64_t vectorPairs = 0;
+  const double vectors = bestOf(1, [&] {
+    for (const Beam& beam : beams) vectorPairs += countInBeam(beam, arrays);
+  });
+  const Vec2i resolution(view.size, view.size);
+  const BeamQuadtree tree(beams, resolution);
+  const double build = bestOf(20, [&] { BeamQuadtree(beams, resolution); });
+  std::uint64_t treePairs = 0;
+  const double found = bestOf(40, [&] {
+    treePairs = 0;
+    tree.findPairs(positions, count, &treePairs);
+  });
+  std::vector<BeamSum> sums(beams.size());
+  const double gathered = bestOf(40, [&] { gatherHomogeneous(tree, photons, kSigmaT, sums); });
+
+  fmt::print("| lookup | ms | plain scan / this | pairs |\n|---|---|---|---|\n");
+  const auto row = [&](const char* name, double seconds, std::uint64_t n) {
+    fmt::print("| {} | {:.2f} | {:.0f} | {} |\n", name, 1e3 * seconds, plain / seconds, n);
+  };
+  row("plain scan, beam by beam", plain, pairs);
+  row("the same in vectors of 8", vectors, vectorPairs);
+  row("quadtree: pairs", found, treePairs);
+  row("quadtree: pairs and their evaluation", gathered, pairs);
+  row("quadtree: evaluation, and the build of the tree", gathered + build, pairs);
+}
+
+/// One row of the growth table. Photons come in batches, as a pass has them.
+void growthRow(const char* what, int size, std::size_t count, float pixels) {
+  constexpr std::size_t kBatch = 1000000;
+  View view;
+  view.size = size;
+  const auto beams = makeBeams(view, view.radiusOf(pixels), true);
+  const Vec2i resolution(size, size);
+  double build = 1e30;
+  build = bestOf(5, [&] { BeamQuadtree(beams, resolution); });
+  const BeamQuadtree tree(beams, resolution);
+  const auto photons = makePhotons(std::min(count, kBatch), true);
+  std::vector<BeamSum> sums(beams.size());
+  double seconds = 0;
+  if (count <= kBatch) {
+    seconds = bestOf(10, [&] { gatherHomogeneous(tree, photons, kSigmaT, sums); });
+    std::fill(sums.begin(), sums.end(), BeamSum{});
+    gatherHomogeneous(tree, photons, kSigmaT, sums);
+  } else {
+    seconds = bestOf(1, [&] {
+      for (std::size_t i = 0; i < count; i += kBatch)
+        gatherHomogeneous(tree, photons, kSigmaT, sums);
+    });
+  }
+  const double n = static_cast<double>(count), hits = static_cast<double>(countOf(sums)) / n;
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  fmt::print("| {} | {}^2 | {:.0e} | {} | {:.1f} | {:.1f} | {:.2f} | {:.1f} | {:.0f} |\n", what,
+             size, n, pixels, hits, 1e9 * seconds / n, 1e9 * seconds / (n * hits), 1e3 * build,
+             static_cast<double>(usage.ru_maxrss) / 1024);
+  std::fflush(stdout);
+}
+
+void growth() {
+  fmt::print(
+      "| varied | beams | photons | radius, pixels | pairs per photon | ns per photon | ns "
+      "per pair | build, ms | peak MB so far |\n|---|---|---|---|---|---|---|---|---|\n");
+  for (const int size : {64, 128, 256, 512, 1024, 2048}) growthRow("beams", size, 200000, 4);
+  for (const std::size_t count : {10000u, 100000u, 1000000u, 10000000u, 100000000u})
+    growthRow("photons", 512, count, 4);
+  for (const float pixels : {0.5f, 1.f, 2.f, 4.f, 8.f, 16.f, 32.f})
+    growthRow("radius", 512, 50000, pixels);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   setThreadCount(1);
-  const std::string what = argc > 1 ? argv[1] : "all";
-  if (what == "splat" || what == "all") splat();
+  const std::string what = argc > 1 ? argv[1] : "";
+  if (what == "splat")
+    splat();
+  else if (what == "report")
+    report();
+  else if (what == "growth")
+    growth();
+  else
+    fmt::print("brume_beams report | splat | growth\n");
 }

@@ -21,9 +21,9 @@ constexpr std::size_t kFewestTiles = 64;
 constexpr std::int64_t kCellsAtOnce = 512;
 /// Photons that one task distributes to tiles.
 constexpr std::int64_t kPhotonsAtOnce = 512;
-/// Photons of the first batch, and places in tiles that a batch aims at: a bound on memory.
-constexpr std::size_t kFirstBatch = 4096;
+/// Places in tiles that a batch of photons aims at, a bound on memory; photons it is judged by.
 constexpr std::size_t kBatchPlaces = std::size_t{1} << 21;
+constexpr std::size_t kPilotPhotons = 256;
 
 std::size_t divideUp(std::size_t a, std::size_t b) { return (a + b - 1) / b; }
 
@@ -124,6 +124,19 @@ PlacesByTile placesOf(const BeamTreeView& tree, std::size_t tileCount,
                             first + static_cast<std::size_t>(end), lists, places);
                });
   return sortPlaces(chunks, tileCount);
+}
+
+/// How many photons make a batch: as many as fill kBatchPlaces if all are like those looked at.
+std::size_t batchSize(const BeamTreeView& tree, const PhotonPositions& photons) {
+  PairLists lists;
+  std::vector<Place> places;
+  const std::size_t pilots = std::min(kPilotPhotons, photons.size());
+  for (std::size_t i = 0; i < pilots; ++i) {
+    const std::size_t photon = i * photons.size() / pilots;
+    findPlaces(tree, photons, photon, photon + 1, lists, places);
+  }
+  const std::size_t fitting = kBatchPlaces * pilots / std::max<std::size_t>(1, places.size());
+  return std::clamp<std::size_t>(fitting, 64, kBatchPlaces);
 }
 
 }  // namespace
@@ -243,8 +256,9 @@ void BeamQuadtree::findPairs(const PhotonPositions& photons, Sink sink, void* co
 
 void BeamQuadtree::forEachTile(const PhotonPositions& photons, const TileBody& body) const {
   BRUME_CHECK(photons.size() < kNoBeam);
-  std::size_t batch = kFirstBatch;
-  for (std::size_t first = 0; first < photons.size();) {
+  // The sums do not depend on the size of batches.
+  const std::size_t batch = batchSize(view_, photons);
+  for (std::size_t first = 0; first < photons.size(); first += batch) {
     const std::size_t count = std::min(batch, photons.size() - first);
     const PlacesByTile places = placesOf(view_, tileCount(), photons, first, count);
     forEachChunk(static_cast<std::int64_t>(tileCount()), 1,
@@ -253,10 +267,6 @@ void BeamQuadtree::forEachTile(const PhotonPositions& photons, const TileBody& b
                    const auto begin = places.begin[tile], end = places.begin[tile + 1];
                    if (begin < end) body(tile, {places.photons.data() + begin, end - begin});
                  });
-    first += count;
-    // As many photons as would have filled the places; the sums do not depend on it.
-    const std::size_t taken = std::max<std::size_t>(1, places.photons.size());
-    batch = std::clamp<std::size_t>(count * kBatchPlaces / taken, 64, kBatchPlaces);
   }
 }
 

@@ -123,8 +123,11 @@ TEST(BeamQuadtree, ImagesOfAllShapes) {
 TEST(BeamQuadtree, LargeImagesWithFewBeams) {
   BeamScene scene;
   scene.resolution = {2048, 2048};
-  scene.share = 0.0005f;
-  EXPECT_GT(expectExact(scene, 300, 5), 100u);
+  // Trees whose tiles have two levels and three.
+  for (const float share : {0.0005f, 0.003f}) {
+    scene.share = share;
+    EXPECT_GT(expectExact(scene, 120, 5), 50u);
+  }
 }
 
 TEST(BeamQuadtree, ManyBeamsPerPixel) {
