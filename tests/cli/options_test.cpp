@@ -71,12 +71,12 @@ INSTANTIATE_TEST_SUITE_P(
                 "unknown option '--threds' (did you mean '--threads'?); see brume --help"},
         Refused{{"diff", "a.exr", "b.exr", "--max-rel-mse", "1"},
                 "unknown option '--max-rel-mse' (did you mean '--max-relmse'?); see brume --help"},
-        Refused{{"bench"},
-                "'bench' is neither a scene file nor a command of this brume; the commands are "
-                "'diff', 'photons' or 'plugins'"},
+        Refused{{"merge"},
+                "'merge' is neither a scene file nor a command of this brume; the commands are "
+                "'diff', 'plugins', 'photons', 'regress' or 'bench'"},
         Refused{{"plugin"},
                 "'plugin' is neither a scene file nor a command of this brume (did you mean "
-                "'plugins'?); the commands are 'diff', 'photons' or 'plugins'"},
+                "'plugins'?); the commands are 'diff', 'plugins', 'photons', 'regress' or 'bench'"},
         Refused{{"a.pbrt", "--spp", "0"},
                 "--spp cannot be '0': it wants a whole number from 1 to 1073741824"},
         Refused{{"a.pbrt", "--spp", "4.5"},
