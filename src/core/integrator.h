@@ -134,6 +134,8 @@ struct PassContext {
 /// film, so that the image, its variance and the limits of a render are those of the film.
 class PassGlobalIntegrator : public GlobalIntegrator {
  public:
+  /// Adds what the camera sees to the plan.
+  virtual void describeView(Plan&, const Camera&, const Film&) const {}
   /// Passes when nothing else limits the render.
   virtual std::int64_t defaultPasses() const = 0;
   /// Called with pass = 0, 1, ... in order. Returns false, with nothing added to the film, when

@@ -135,6 +135,7 @@ void RenderJob::Parts::makeIntegrators(RenderOptions& options, PluginFactory& fa
     plan.build(fmt::format("global integrator \"{}\"", options.globalIntegrator->name),
                "it replaces surface and volume integrator");
     global->describe(plan);
+    if (passes) passes->describeView(plan, *camera, *film);
     return;
   }
 

@@ -6,6 +6,7 @@
 
 #include "core/parallel.h"
 #include "support/estimate.h"
+#include "support/make_plugin.h"
 #include "support/render_text.h"
 
 namespace brume {
@@ -137,6 +138,16 @@ TEST(Pvpm, LoadedPhotonsGiveTheSavedImage) {
   const LayeredImage saved = render("save"), loaded = render("load");
   expectSameImages(saved, loaded);
   std::remove(file.c_str());
+}
+
+TEST(Pvpm, ThePlanCountsBeams) {
+  // From z = -4 the box's front face, at distance 3, fills the middle of 2 tan(45) 3 = 6: a third
+  // of the width and height, up to the pixels on its border.
+  const auto job = makeJob(scene("\"pvpm\"", kPoint + kFog, 60, "0 0 -4 0 0 0 0 1 0", 90), {},
+                           test::captureLog());
+  const std::vector<std::string> plan = job->plan();
+  EXPECT_THAT(plan, testing::Contains(testing::HasSubstr("about 400 of 3600 pixels")));
+  EXPECT_THAT(plan, testing::Contains(testing::HasSubstr("skip  caustic photons")));
 }
 
 TEST(Pvpm, SceneWithoutMediaHasNoBeams) {

@@ -4,8 +4,11 @@
 #include <memory>
 
 #include "accelerators/beam_quadtree.h"
+#include "core/camera.h"
+#include "core/film.h"
 #include "core/log.h"
 #include "core/lowdiscrepancy.h"
+#include "core/medium_along_ray.h"
 #include "core/plan.h"
 #include "core/registry.h"
 #include "transport/beam_radiance.h"
@@ -97,6 +100,7 @@ class Pvpm final : public PassGlobalIntegrator {
     keepPhotons(context);
   }
   void describe(Plan& plan) const override;
+  void describeView(Plan& plan, const Camera& camera, const Film& film) const override;
   std::int64_t defaultPasses() const override { return params_.passes; }
   bool renderPass(const PassContext& context,
                   const std::function<void(double share)>& onShare) override;
@@ -163,6 +167,32 @@ void Pvpm::describe(Plan& plan) const {
     plan.skip("caustic photons", "no surface is specular");
   if (!scene_.contents().unsampledLights.empty())
     plan.skip("photons of lights inside of object instances", "they show themselves, no more");
+}
+
+/// How many beams a pass has, from a grid of pixels.
+void Pvpm::describeView(Plan& plan, const Camera& camera, const Film& film) const {
+  if ((wanted_ & kVolumePhotons).isEmpty()) return;
+  constexpr int kMostPerAxis = 64;
+  const Bounds2i pixels = film.sampleBounds();
+  const int nx = std::min(kMostPerAxis, pixels.width()),
+            ny = std::min(kMostPerAxis, pixels.height());
+  Stats stats;
+  std::int64_t seeing = 0;
+  for (int y = 0; y < ny; ++y)
+    for (int x = 0; x < nx; ++x) {
+      CameraSample sample;
+      sample.raster = Vec2(Vec2d(pixels.lo) + Vec2d((x + 0.5) / nx, (y + 0.5) / ny) *
+                                                  Vec2d(pixels.width(), pixels.height()));
+      sample.lens = Vec2(0.5f);
+      FootprintRay ray(camera.generateRay(sample));
+      if (const auto hit = scene_.intersect(ray, stats)) ray.tMax = distance(ray.o, hit->p);
+      const auto range = scene_.volume()->intersect(ray);
+      seeing += range && !MediumAlongRay(*scene_.volume(), ray, *range).isEmpty();
+    }
+  const double share = static_cast<double>(seeing) / (nx * ny);
+  plan.build("one beam for each pixel that sees a medium",
+             fmt::format("about {:.0f} of {} pixels, each pass; mirrors and glass add theirs",
+                         share * static_cast<double>(pixels.area()), pixels.area()));
 }
 
 PhotonSet Pvpm::tracePhotons(std::uint64_t seed, std::uint64_t pass, int count,
