@@ -69,11 +69,15 @@ Vec2 ScrambledSequence::point(std::uint32_t reversedIndex, const Scramble& s) {
           uniformFloat(reverseBits(scrambleReversed(sobolSecondReversed(index), s.y)))};
 }
 
+float ScrambledSequence::point1D(std::uint32_t reversedIndex, const Scramble& s) {
+  const std::uint32_t index = reverseBits(scrambleReversed(reversedIndex, s.order));
+  return uniformFloat(reverseBits(scrambleReversed(index, s.x)));
+}
+
 float ScrambledSequence::get1D() {
   const Scramble s = nextScramble();
   if (dimension_ > kSequenceDimensions) return hashed(index_, s).x;
-  const std::uint32_t index = reverseBits(scrambleReversed(reversedIndex_, s.order));
-  return uniformFloat(reverseBits(scrambleReversed(index, s.x)));
+  return point1D(reversedIndex_, s);
 }
 
 Vec2 ScrambledSequence::get2D() {

@@ -79,6 +79,8 @@ class ScrambledSequence : public PixelSampler {
   };
   /// The point of a dimension with the given bit-reversed index.
   static Vec2 point(std::uint32_t reversedIndex, const Scramble& scramble);
+  /// Its first coordinate alone.
+  static float point1D(std::uint32_t reversedIndex, const Scramble& scramble);
 
   float get1D() final;
   Vec2 get2D() final;

@@ -22,14 +22,21 @@ class PathRandom {
 
   Vec2 get2D() {
     if (dimension_ >= kStratified) return rng_.uniform2();
-    const std::uint64_t bits = mixBits(passKey_ + 0x9e3779b97f4a7c15ull * ++dimension_);
-    return ScrambledSequence::point(reversedPath_, ScrambledSequence::Scramble::of(bits));
+    return ScrambledSequence::point(reversedPath_, nextScramble());
+  }
+  float get1D() {
+    if (dimension_ >= kStratified) return rng_.uniform();
+    return ScrambledSequence::point1D(reversedPath_, nextScramble());
   }
   /// Numbers beyond the stratified ones.
   Rng& hashed() { return rng_; }
-  float get1D() { return dimension_ >= kStratified ? rng_.uniform() : get2D().x; }
 
  private:
+  ScrambledSequence::Scramble nextScramble() {
+    return ScrambledSequence::Scramble::of(
+        mixBits(passKey_ + 0x9e3779b97f4a7c15ull * ++dimension_));
+  }
+
   std::uint64_t passKey_;
   std::uint32_t reversedPath_;
   std::uint32_t dimension_ = 0;
