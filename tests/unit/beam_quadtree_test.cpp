@@ -6,6 +6,7 @@
 
 #include <cstring>
 
+#include "accelerators/beam_raster.h"
 #include "core/error.h"
 #include "core/parallel.h"
 #include "support/beam_cases.h"
@@ -72,6 +73,10 @@ std::size_t expectExact(const BeamScene& scene, int photonCount, std::uint64_t s
 
   EXPECT_EQ(hitsOf(LinearBeams(beams), photons, beams.size()), expected);
   EXPECT_EQ(hitsOf(BeamQuadtree(beams, scene.resolution), photons, beams.size()), expected);
+  if (RasterBeams::suits(beams))
+    EXPECT_EQ(hitsOf(RasterBeams(beams), photons, beams.size()), expected);
+  else
+    EXPECT_NE(scene.rays, Rays::Pinhole);
   // Pieces of a beam come in another order.
   std::vector<Hits> inSpace = hitsOf(BeamQuadtree::inSpace(beams), photons, beams.size());
   for (Hits& hits : inSpace) std::sort(hits.begin(), hits.end());

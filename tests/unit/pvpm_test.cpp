@@ -64,6 +64,7 @@ TEST(Pvpm, LookupsGiveTheSameImage) {
     };
     const LayeredImage tree = render("quadtree"), linear = render("linear");
     if (!isUniform) expectSameImages(tree, linear);
+    expectSameImages(render("raster"), linear);
     for (const char* c : {"R", "G", "B"})
       for (std::size_t i = 0; i < tree.channels.at(c).size(); ++i)
         EXPECT_NEAR(tree.channels.at(c)[i], linear.channels.at(c)[i],

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "accelerators/beam_quadtree.h"
+#include "accelerators/beam_raster.h"
 #include "core/camera.h"
 #include "core/film.h"
 #include "core/log.h"
@@ -22,7 +23,7 @@
 namespace brume {
 namespace {
 
-enum class Lookup { Quadtree, Linear };
+enum class Lookup { Quadtree, Raster, Linear };
 enum class Schedule { Global, Beam };
 
 Rgb toRgb(const BeamSum& sum) {
@@ -73,8 +74,10 @@ class Pvpm final : public PassGlobalIntegrator {
         "pixel's by its own photons, r'^2 = r^2 (N + alpha M) / (N + M)");
       v(alpha, "alpha", Range<float>{0.01f, 1.f}, Unit::None,
         "how slowly radii shrink; 1: not at all");
-      v(lookup, "lookup", {{"quadtree", Lookup::Quadtree}, {"linear", Lookup::Linear}},
-        "how photons find their beams; the image does not depend on it");
+      v(lookup, "lookup",
+        {{"quadtree", Lookup::Quadtree}, {"raster", Lookup::Raster}, {"linear", Lookup::Linear}},
+        "how photons find their beams; the image does not depend on it. raster: by projection, for "
+        "the beams of a pinhole, the quadtree for all others");
       v(fixedbeams, "fixedbeams", "beams through the pixels' centres instead of jittered ones");
       v(directvolume, "directvolume",
         "sample unscattered light in media instead of leaving it to photons");
@@ -244,6 +247,8 @@ void Pvpm::chooseRadii(const PassContext& context) {
 /// `image`: beams straight from the camera; none: beams from anywhere.
 std::unique_ptr<BeamLookup> Pvpm::makeLookup(const OwnedBeams& beams, const Bounds2i* image) const {
   if (params_.lookup == Lookup::Linear) return std::make_unique<LinearBeams>(beams.beams);
+  if (params_.lookup == Lookup::Raster && image && RasterBeams::suits(beams.beams))
+    return std::make_unique<RasterBeams>(beams.beams);
   if (image)
     return std::make_unique<BeamQuadtree>(beams.beams, Vec2i(image->width(), image->height()));
   return std::make_unique<BeamQuadtree>(BeamQuadtree::inSpace(beams.beams));
