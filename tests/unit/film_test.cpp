@@ -142,6 +142,28 @@ TEST(Film, VarianceIsThatOfTheMean) {
   EXPECT_NEAR(film.estimatedRelativeError(), std::sqrt(mean / 192), 0.002);
 }
 
+TEST(Film, SumsOfManyPassesDoNotDrift) {
+  // Three million passes of one pixel, with rare values a million times the common ones, against
+  // sums in long double (64 bits of mantissa): the result, a float, has the same bits.
+  const auto box = make<Filter>("box", {});
+  Film film = makeFilm(*box, {1, 1}, {{0, 0}, {1, 1}});
+  FilmTile tile = film.makeTile(film.sampleBounds());
+  Rng rng(4);
+  long double sum[3] = {};
+  constexpr int kPasses = 3'000'000;
+  for (int i = 0; i < kPasses; ++i) {
+    const float rare = rng.uniform() < 1e-5f ? 1e6f : 1.f;
+    const Rgb L(rng.uniform() * rare, 1e-3f * rng.uniform(), 0.1f);
+    for (int c = 0; c < 3; ++c) sum[c] += static_cast<long double>(L[c]);
+    tile.addSample(Vec2(0.5f), L);
+  }
+  film.merge(tile);
+  const LayeredImage image = film.develop();
+  int c = 0;
+  for (const char* channel : {"R", "G", "B"})
+    EXPECT_EQ(image.channels.at(channel)[0], static_cast<float>(sum[c++] / kPasses)) << channel;
+}
+
 TEST(Film, FewSamplesHaveUnknownVariance) {
   const auto box = make<Filter>("box", {});
   Film film = makeFilm(*box, {2, 1}, {{0, 0}, {2, 1}}, true);
