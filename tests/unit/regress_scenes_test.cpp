@@ -59,10 +59,10 @@ TEST(RegressScenes, CoverEveryPlugin) {
   expectAllPlugins<Texture<float>>(scenes);
   expectAllPlugins<Texture<Rgb>>(scenes);
   expectAllPlugins<Volume>(scenes);
-  // Photon methods are recorded once they have settled.
+  // Photon maps are recorded once they have settled.
   expectAllPlugins<SurfaceIntegrator>(scenes, {"photonmap"});
   expectAllPlugins<VolumeIntegrator>(scenes);
-  expectAllPlugins<GlobalIntegrator>(scenes, {"vpm", "bre", "pvpm"});
+  expectAllPlugins<GlobalIntegrator>(scenes, {"vpm", "bre"});
 }
 
 TEST(RegressScenes, HaveSmallReferences) {

@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Compares micro-benchmarks with a stored baseline: ratios with their confidence intervals.
 
-  bench/compare --store [--filter REGEX] [--repetitions N] [FILE]   measures, and keeps it as the baseline
-  bench/compare         [--filter REGEX] [--repetitions N] [FILE]   measures, and prints new / baseline
-  bench/compare OLD.json NEW.json                                   compares two outputs of brume_micro
+  bench/compare.py --store [--filter REGEX] [--repetitions N] [FILE]   measures, and keeps it as the baseline
+  bench/compare.py         [--filter REGEX] [--repetitions N] [FILE]   measures, and prints new / baseline
+  bench/compare.py OLD.json NEW.json                                   compares two outputs of brume_micro
 
 FILE defaults to build-bench/baseline.json. Processor times are compared, because a busy machine
 disturbs them less than the clock. A ratio below 1 is faster. The interval holds the true ratio of the
@@ -116,7 +116,7 @@ def main():
             parser.error("at most two files")
         baseline = arguments.files[0] if arguments.files else BUILD / "baseline.json"
         if not arguments.store and not baseline.exists():
-            sys.exit(f"there is no baseline {baseline}; bench/compare --store makes it")
+            sys.exit(f"there is no baseline {baseline}; bench/compare.py --store makes it")
         if not (BUILD / "bench" / "brume_micro").exists():
             sys.exit(f"{BUILD}/bench/brume_micro is not built; bench/speed.py builds it")
         new = measure(arguments)
