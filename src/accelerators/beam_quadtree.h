@@ -13,8 +13,8 @@
 // are cut into pieces, disjoint by the float values of t; the pieces, halved again and again by the
 // widest axis of their middles, take the places of the cells.
 //
-// A tile is a subtree of up to three levels. Photons are distributed to tiles in
-// their order, then each tile is served by one task.
+// A tile is a subtree of up to three levels. Photons are distributed to tiles in their order, then
+// each tile is served by one task. docs/beam_quadtree.md says why and what it costs.
 #pragma once
 
 #include <array>
