@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace brume::test {
 namespace {
 
@@ -39,6 +41,19 @@ TEST(AddingDoubling, ConservesEnergyAndMatchesVanDeHulst) {
   const auto s = solveSlab(0.9, 2, henyeyGreenstein(0.75), {1});
   EXPECT_NEAR(s[0].R, 0.09739, 1e-5);
   EXPECT_NEAR(s[0].T, 0.66096, 1e-5);
+}
+
+TEST(AddingDoubling, ThinSlabsInABeamScatterOnce) {
+  // Isotropic: albedo / (4 pi) Int_0^tau exp(-t) exp(-t / mu0) dt, and so on for the dark side.
+  constexpr double kAlbedo = 0.5, kTau = 1e-3, kPiDouble = 3.14159265358979323846;
+  for (const SlabInBeam& s : solveSlabInBeams(kAlbedo, kTau, henyeyGreenstein(0))) {
+    if (s.mu0 < 0.2) continue;  // the slab is not thin there
+    const double k = 1 + 1 / s.mu0, d = 1 / s.mu0 - 1;
+    EXPECT_NEAR(s.R, kAlbedo / (4 * kPiDouble) * -std::expm1(-k * kTau) / k, 4e-3 * s.R) << s.mu0;
+    EXPECT_NEAR(s.T, kAlbedo / (4 * kPiDouble) * std::exp(-kTau) * -std::expm1(-d * kTau) / d,
+                4e-3 * s.T)
+        << s.mu0;
+  }
 }
 
 }  // namespace

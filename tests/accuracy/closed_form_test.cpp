@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+// Transmittance, emission and single scattering against formulas and plain quadrature.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "support/boxes.h"
+#include "support/slab_cases.h"
+
+namespace brume::test {
+namespace {
+
+constexpr double kFourPi = 12.5663706143591729539;
+
+class ClosedForm : public testing::TestWithParam<Method> {};
+std::string nameOf(const testing::TestParamInfo<Method>& info) { return info.param.name; }
+INSTANTIATE_TEST_SUITE_P(Quick, ClosedForm, testing::ValuesIn(judgedMethods()), nameOf);
+
+/// No noise: only float rounding of the sums.
+void expectExactly(const Method& method, const SuiteScene& scene,
+                   const std::array<double, 3>& expected, double tolerance,
+                   const std::string& what) {
+  const Measurement m = measure(method, scene, {});
+  EXPECT_EQ(m.faults, 0u) << what;
+  for (std::size_t c = 0; c < 3; ++c)
+    EXPECT_NEAR(m.channels[c].mean, expected[c], tolerance * expected[c]) << what << " " << c;
+}
+
+TEST_P(ClosedForm, AbsorbingSlabsFollowBeerAndLambert) {
+  for (const Build build :
+       {Build::Homogeneous, Build::Exponential, Build::Grid, Build::Split, Build::Overlap})
+    for (const double mu : {1.0, 0.6, 0.25}) {
+      const SlabMedium medium{{0.01, 1, 6}, gray3(0), henyeyGreensteinCase(0), build};
+      std::array<double, 3> expected;
+      for (std::size_t c = 0; c < 3; ++c) expected[c] = std::exp(-medium.tau[c] / mu);
+      // exp(-24) of a float optical depth: 24 roundings.
+      expectExactly(GetParam(), {slabView(mu, true), sky() + volumesOf(medium, 1e4)}, expected,
+                    1e-5, nameOf(build));
+    }
+}
+
+TEST_P(ClosedForm, EmittingSlabsFollowKirchhoff) {
+  // Le = B sigma_a: B (1 - exp(-tau / mu)) whatever the density does.
+  for (const Build build :
+       {Build::Homogeneous, Build::Exponential, Build::Grid, Build::Split, Build::Overlap})
+    for (const double mu : {1.0, 0.25}) {
+      const SlabMedium medium{{0.01, 1, 6}, gray3(0), henyeyGreensteinCase(0), build, 3};
+      std::array<double, 3> expected;
+      for (std::size_t c = 0; c < 3; ++c) expected[c] = -3 * std::expm1(-medium.tau[c] / mu);
+      expectExactly(GetParam(), {slabView(mu, true), volumesOf(medium, 1e4)}, expected, 1e-5,
+                    nameOf(build));
+    }
+}
+
+/// Trilinear density by a fine midpoint rule along the line from a to b, per unit of its parameter.
+double meanDensity(const std::array<double, 3>& a, const std::array<double, 3>& b) {
+  constexpr int kSteps = 200000;
+  double sum = 0;
+  for (int i = 0; i < kSteps; ++i) {
+    const double s = (i + 0.5) / kSteps;
+    sum +=
+        unevenDensity(a[0] + s * (b[0] - a[0]), a[1] + s * (b[1] - a[1]), a[2] + s * (b[2] - a[2]));
+  }
+  return sum / kSteps;
+}
+
+TEST_P(ClosedForm, UnevenGridsAreIntegratedExactly) {
+  // From the middle of one face of the box to that of another, and between corners.
+  const std::array<std::array<double, 3>, 2> kRays[] = {{{{0.1, 0.2, 1}, {-0.3, -0.4, -1}}},
+                                                        {{{1, 1, 1}, {-1, -1, -1}}},
+                                                        {{{-1, 0.3, -1}, {1, 0.3, 1}}}};
+  for (const auto& [in, out] : kRays) {
+    double length = 0;
+    for (std::size_t a = 0; a < 3; ++a) length += (out[a] - in[a]) * (out[a] - in[a]);
+    const double density = meanDensity(in, out) * std::sqrt(length);
+    const std::string lookAt =
+        fmt::format("{} {} {}  {} {} {}  0 1 0", 2 * in[0] - out[0], 2 * in[1] - out[1],
+                    2 * in[2] - out[2], out[0], out[1], out[2]);
+    const std::array<double, 3> sigma = {0.2, 1, 3};
+    std::array<double, 3> expected;
+    for (std::size_t c = 0; c < 3; ++c) expected[c] = std::exp(-sigma[c] * density);
+    // The field of view of a thousandth of a degree spans 1e-5 of the density.
+    expectExactly(GetParam(),
+                  {lookAt, sky() + unevenGrid("\"color sigma_a\" " + rgbText(sigma)), 1e-5},
+                  expected, 1e-4, lookAt);
+  }
+}
+
+class OneScattering : public testing::TestWithParam<std::tuple<PhaseCase, Form>> {};
+
+TEST_P(OneScattering, OfParallelLightInASlab) {
+  // albedo p(cos) / (4 pi mu) / (1/mu + 1/mu0) (1 - exp(-tau (1/mu + 1/mu0))) on the lit side.
+  const auto& [phase, form] = GetParam();
+  const Method method{"volpath", "GlobalIntegrator \"volpath\" \"integer maxdepth\" 1"};
+  const double tau = 0.8, albedo = 0.7, mu = 0.6;
+  const SlabMedium medium{gray3(tau), gray3(albedo), phase};
+  for (const double mu0 : {0.9, 0.3})
+    for (const double azimuth : {0.0, 2.0, 3.14159}) {
+      const double s0 = std::sqrt(1 - mu0 * mu0), s = std::sqrt(1 - mu * mu);
+      const std::array<double, 3> from = {s0 * std::cos(azimuth), s0 * std::sin(azimuth), mu0};
+      const std::string light =
+          fmt::format("LightSource \"distant\" \"point from\" [{} {} {}] \"point to\" [0 0 0]\n",
+                      from[0], from[1], from[2]);
+      const double cosine = -(s * from[0] + mu * mu0), k = 1 / mu + 1 / mu0;
+      const double expected =
+          albedo * phase.phase(cosine) / kFourPi / mu / k * -std::expm1(-tau * k);
+      expectRadiance(method, slabScene(method, volumesOf(medium, 1e4), light, mu, true),
+                     gray3(expected), form,
+                     fmt::format("{} mu0 {} azimuth {}", phase.name, mu0, azimuth));
+    }
+}
+
+std::string phaseNameOf(const testing::TestParamInfo<std::tuple<PhaseCase, Form>>& info) {
+  return std::get<PhaseCase>(info.param).name;
+}
+INSTANTIATE_TEST_SUITE_P(Quick, OneScattering,
+                         testing::Combine(testing::ValuesIn(phaseCases()),
+                                          testing::Values(Form::Quick)),
+                         phaseNameOf);
+INSTANTIATE_TEST_SUITE_P(Full, OneScattering,
+                         testing::Combine(testing::ValuesIn(phaseCases()),
+                                          testing::Values(Form::Full)),
+                         phaseNameOf);
+
+}  // namespace
+}  // namespace brume::test
