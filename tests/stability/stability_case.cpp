@@ -14,7 +14,7 @@ constexpr const char* kChannels[3] = {"R", "G", "B"};
 
 }  // namespace
 
-int caseSamples(Form form) { return form == Form::Full ? 256 : 32; }
+int caseSamples(Form form) { return form == Form::Full ? 128 : 32; }
 
 StabilityResult comparePaired(const std::string& base, const std::string& transformed,
                               double factor) {
