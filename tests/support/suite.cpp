@@ -107,8 +107,9 @@ std::uint64_t faultsOf(const Stats& stats) {
 
 Measurement measure(const Method& method, const SuiteScene& scene, const Goal& goal) {
   constexpr int kRounds = 4;
+  const std::uint64_t firstSeed = goal.seed * (kRounds + 1);
   constexpr double kReserve = 1.2;  // the pilot's variance is itself an estimate
-  const Measurement pilot = measureOnce(method, scene, kPilotSamples, 0);
+  const Measurement pilot = measureOnce(method, scene, kPilotSamples, firstSeed);
   const std::int64_t perSample = pilot.samples / kPilotSamples;
   Measurement sum;
   const auto wanted = [&](const Measurement& m) {
@@ -121,7 +122,7 @@ Measurement measure(const Method& method, const SuiteScene& scene, const Goal& g
     const double missing = (target - static_cast<double>(sum.samples)) / double(perSample);
     if (missing < 1) break;
     accumulate(sum, measureOnce(method, scene, static_cast<int>(std::ceil(missing)),
-                                static_cast<std::uint64_t>(round)));
+                                firstSeed + static_cast<std::uint64_t>(round)));
     if (worstError(sum) <= goal.relativeError) break;
     target = wanted(sum);
   }

@@ -52,6 +52,7 @@ std::uint64_t faultsOf(const Stats& stats);
 struct Goal {
   double relativeError = 0.01;
   std::int64_t maxSamples = std::int64_t{1} << 25;
+  std::uint64_t seed = 0;  ///< other random numbers, where two measurements must be independent
 };
 Measurement measure(const Method& method, const SuiteScene& scene, const Goal& goal);
 
