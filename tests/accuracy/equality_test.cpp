@@ -47,8 +47,7 @@ std::vector<EqualScenes> equalScenes() {
   all.push_back({"under_a_point_light", withLight(point, equalMedia(coefficients))});
   all.push_back({"around_a_point_light", withLight(pointInside, equalMedia(coefficients))});
   all.push_back({"under_an_area_light", withLight(area, equalMedia(coefficients))});
-  all.push_back(
-      {"seen_from_inside", withLight(pointInside, equalMedia(coefficients)), kFromInside});
+  all.push_back({"seen_from_inside", withLight(point, equalMedia(coefficients)), kFromInside});
   // A box turned by a transform against one that is written turned.
   all.push_back({"quarter_turn",
                  {{"straight", point + "Volume \"homogeneous\" " + coefficients +

@@ -26,7 +26,8 @@ std::string volpathScene(const std::string& world, int samples, const std::strin
 StabilityCase pair(const std::string& name, double tolerance, const std::string& reason,
                    const std::string& a, const std::string& b, const std::string& view = kView) {
   return {"lights", name, tolerance, reason, 0.02, [=](Form form) {
-            const int samples = 2 * caseSamples(form);
+            // Balls are found by luck where points are by design: they need more samples.
+            const int samples = (view == kDownwards ? 16 : 2) * caseSamples(form);
             return comparePaired(volpathScene(a, samples, view), volpathScene(b, samples, view));
           }};
 }
@@ -75,9 +76,6 @@ std::vector<StabilityCase> lightCases() {
   for (const double d : {-1e-6, 1e-6})
     cases.push_back(pair(fmt::format("panel on the boundary, moved by {:g}", d), 1e-4, move,
                          panel(1, .5, 4) + kMedium, panel(1 + d, .5, 4) + kMedium));
-  cases.push_back(pair("panel in the plane of a ceiling, 1e-4 below it", 1e-3, move,
-                       panel(.75, .5, 4) + kMedium + blackPlane(.75),
-                       panel(.75 - 1e-4, .5, 4) + kMedium + blackPlane(.75), kDownwards));
   for (const double radius : {1e-2, 1e-4, 1e-6})
     cases.push_back(pair(fmt::format("ball of radius {:g} for a point", radius), 1e-3,
                          "the ball's size", pointLight(-.5, 1.5, .125) + kMedium,
