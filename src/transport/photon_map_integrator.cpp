@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "transport/photon_map_integrator.h"
+
+namespace brume {
+namespace {
+
+/// Of the scene's diagonal: how far the photons of a surface point are looked for.
+constexpr float kSurfaceReach = 0.1f;
+
+}  // namespace
+
+PhotonMapIntegrator::PhotonMapIntegrator(const PhotonMapParams& params,
+                                         VolumePhotonMap::Power power,
+                                         const FactoryContext& context)
+    : params_(params),
+      power_(power),
+      scene_(*context.scene),
+      paths_(scene_, {params.maxbounces, true, params.directvolume}),
+      surfaceReach_(kSurfaceReach * 2 * scene_.bounds().radius()) {}
+
+void PhotonMapIntegrator::prepare(PrepareContext& context) {
+  PhotonMapRequest request;
+  request.volumePhotons = static_cast<std::uint64_t>(params_.photons);
+  request.surfacePhotons = static_cast<std::uint64_t>(params_.surfacephotons);
+  request.unscatteredVolume = !params_.directvolume;
+  request.maxDepth = params_.maxdepth;
+  const PhotonClasses wanted = showableClasses(scene_, request);
+  const PhotonClasses required =
+      wanted & (PhotonClass::VolumeUnscattered | PhotonClass::VolumeMultiple);
+  const PhotonSet set = loadOrTracePhotons(params_.files, {required, wanted}, scene_, context,
+                                           [&] { return tracePhotons(scene_, request, context); });
+  if (!set.isComplete) return;
+
+  if (!(wanted & kSurfacePhotons).isEmpty()) {
+    surfaceMap_.emplace(std::span<const Photon>(set.photons));
+    if (surfaceMap_->isEmpty()) surfaceMap_.reset();
+  }
+  if (!(wanted & kVolumePhotons).isEmpty()) {
+    volumeMap_.emplace(*scene_.volume(), set.photons, power_);
+    if (volumeMap_->size() > 0) onVolumeMap(*volumeMap_);
+  }
+}
+
+/// Adds what photons say about the stretches and points that a camera path meets.
+struct PhotonMapIntegrator::Visitor final : CameraPathVisitor {
+  Visitor(const PhotonMapIntegrator& self_, RenderContext& context_)
+      : self(self_), context(context_) {}
+
+  void onSegment(const MediumAlongRay& medium, const Rgb& weight, int) override {
+    if (!self.volumeMap_ || self.volumeMap_->size() == 0) return;
+    const BeamEstimate estimate = self.estimate(*self.volumeMap_, medium, context);
+    context.stats.add(Stat::PhotonBeamPairs, estimate.photons);
+    L += weight * context.stats.checkRadiance(estimate.L);
+  }
+  void onSurface(const SurfaceInteraction& at, const Bsdf& bsdf, const Rgb& weight) override {
+    if (!self.surfaceMap_) return;
+    const auto k = static_cast<std::size_t>(self.params_.nusedsurface);
+    const Rgb found = self.surfaceMap_->radianceOfNearest(at, bsdf, k, self.surfaceReach_);
+    L += weight * context.stats.checkRadiance(found);
+  }
+
+  const PhotonMapIntegrator& self;
+  RenderContext& context;
+  Rgb L;
+};
+
+Rgb PhotonMapIntegrator::Li(const FootprintRay& ray, int, RenderContext& context) const {
+  Visitor visitor(*this, context);
+  const Rgb L = paths_.follow(ray, visitor, context);
+  return L + visitor.L;
+}
+
+}  // namespace brume

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "transport/photon_maps.h"
+
+#include <fmt/format.h>
+
+#include "core/log.h"
+#include "core/plan.h"
+
+namespace brume {
+namespace {
+
+/// Paths per photon asked for, where the pilot saw nearly none.
+constexpr std::uint64_t kShortagePaths = 4;
+
+/// Number of paths from which all classes of the group together store `photons`; none: the pilot
+/// saw next to nothing.
+std::optional<std::uint64_t> pathsOfGroup(const PathsPerClass& paths, PhotonClasses group,
+                                          std::uint64_t photons) {
+  // Each class alone would need paths[c], so it yields photons / paths[c] a path.
+  double yield = 0;
+  for (std::size_t c = 0; c < kPhotonClasses; ++c)
+    if (group.contains(static_cast<PhotonClass>(c)) && paths[c] > 0)
+      yield += static_cast<double>(photons) / static_cast<double>(paths[c]);
+  if (!(yield > 0)) return std::nullopt;
+  return static_cast<std::uint64_t>(std::ceil(static_cast<double>(photons) / yield));
+}
+
+std::uint64_t countOf(const PhotonSet& set, PhotonClasses group) {
+  std::uint64_t n = 0;
+  for (const Photon& photon : set.photons) n += group.contains(photon.photonClass()) ? 1 : 0;
+  return n;
+}
+
+}  // namespace
+
+PhotonClasses showableClasses(const Scene& scene, const PhotonMapRequest& request) {
+  const SceneInventory inventory = takeInventory(scene);
+  const bool hasSpecular = inventory.specularMaterials > 0;
+  bool hasDiffuse = false;
+  for (const auto& material : scene.contents().materials)
+    hasDiffuse = hasDiffuse || material->hasNonSpecular();
+  PhotonClasses classes;
+  if (inventory.mediaScatter && request.volumePhotons > 0) {
+    classes = classes | PhotonClass::VolumeMultiple;
+    if (hasSpecular) classes = classes | PhotonClass::VolumeCaustic;
+    if (request.unscatteredVolume) classes = classes | PhotonClass::VolumeUnscattered;
+  }
+  const bool hasSurfaces = inventory.meshes + inventory.quadrics > 0;
+  if (hasDiffuse && hasSurfaces && request.surfacePhotons > 0) {
+    classes = classes | PhotonClass::SurfaceIndirect;
+    if (hasSpecular) classes = classes | PhotonClass::SurfaceCaustic;
+  }
+  return classes;
+}
+
+PhotonSet tracePhotons(const Scene& scene, const PhotonMapRequest& request,
+                       const PrepareContext& context) {
+  const PhotonClasses wanted = showableClasses(scene, request);
+  const PhotonTracer tracer(scene, {wanted, context.shutter, request.maxDepth});
+  if (wanted.isEmpty() || !tracer.hasLights()) return {};
+
+  // What each class would need by itself, then what the classes of a group need together.
+  const std::array<std::pair<PhotonClasses, std::uint64_t>, 2> groups{
+      {{wanted & kVolumePhotons, request.volumePhotons},
+       {wanted & kSurfacePhotons, request.surfacePhotons}}};
+  PhotonCounts counts{};
+  for (const auto& [group, photons] : groups)
+    for (std::size_t c = 0; c < kPhotonClasses; ++c)
+      if (group.contains(static_cast<PhotonClass>(c))) counts[c] = photons;
+  PathsPerClass paths = pathsFor(tracer, counts, wanted, context.seed, context.stop, context.stats);
+  for (const auto& [group, photons] : groups) {
+    const std::uint64_t needed =
+        pathsOfGroup(paths, group, photons).value_or(kShortagePaths * photons);
+    for (std::size_t c = 0; c < kPhotonClasses; ++c)
+      if (group.contains(static_cast<PhotonClass>(c))) paths[c] = needed;
+  }
+
+  PhotonSet set = tracer.trace(context.seed, 0, paths, context.stop, context.stats);
+  if (!set.isComplete) return set;
+  for (const auto& [group, photons] : groups) {
+    if (group.isEmpty()) continue;
+    const std::uint64_t stored = countOf(set, group);
+    const char* where =
+        group.contains(PhotonClass::VolumeMultiple) ? "in the media" : "on surfaces";
+    context.log.verbose(fmt::format("{} photons stored {}", stored, where));
+    if (stored == 0 && group.contains(PhotonClass::VolumeUnscattered))
+      throw SceneError("no photon could be stored in the media: no light reaches them");
+    if (stored < photons / 2)
+      context.log.verbose(
+          fmt::format("fewer than the {} asked for: little light gets {}", photons, where));
+  }
+  return set;
+}
+
+}  // namespace brume

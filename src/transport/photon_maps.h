@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// The photons of a render that needs no more than one set of them: numbers, tracing, maps.
+#pragma once
+
+#include "core/integrator.h"
+#include "transport/photon_tracer.h"
+#include "transport/surface_photon_map.h"
+#include "transport/volume_photon_map.h"
+
+namespace brume {
+
+/// What a method asks for.
+struct PhotonMapRequest {
+  std::uint64_t volumePhotons = 0;   ///< to store in media, of all classes together
+  std::uint64_t surfacePhotons = 0;  ///< to store on surfaces, direct light apart
+  bool unscatteredVolume = false;    ///< unscattered light in media is left to photons
+  std::optional<int> maxDepth;       ///< most scatterings of a light path
+};
+
+/// The classes of photons that the scene can show to this request: none in media that do not
+/// scatter, no caustics without mirror or glass, none on surfaces that are all specular.
+PhotonClasses showableClasses(const Scene& scene, const PhotonMapRequest& request);
+
+/// Traces about the numbers asked for. Media and surfaces each have one number of light paths,
+/// found by a pilot pass. Where the pilot meets next to nothing, as many paths as photons were
+/// asked for are traced, four times over, and the log is told of the shortage: the photons stay
+/// unbiased. Throws SceneError when unscattered light is left to photons and none is stored.
+PhotonSet tracePhotons(const Scene& scene, const PhotonMapRequest& request,
+                       const PrepareContext& context);
+
+}  // namespace brume

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+// GlobalIntegrator "vpm": checks that it shares with "bre", whose tests cover the common code. Its
+// sums and their bias are tested in volume_photon_map_test.
+#include <gtest/gtest.h>
+
+#include "support/photon_methods.h"
+
+namespace brume {
+namespace {
+
+TEST(Vpm, AgreesWithVolpath) { test::checkAgainstVolpath("vpm"); }
+TEST(Vpm, DoesNotDependOnThreads) { test::checkThreads("vpm"); }
+TEST(Vpm, SaysWhereNoPhotonsAre) { test::checkScarcity("vpm"); }
+
+}  // namespace
+}  // namespace brume
