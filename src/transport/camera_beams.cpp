@@ -27,7 +27,7 @@ class BeamCollector final : public CameraPathVisitor {
 
   void onSegment(const MediumAlongRay& medium, const Rgb& weight, int bounces) override {
     const Ray& ray = medium.ray();
-    const Interval range = medium.occupied();
+    const Interval range = medium.range();
     OwnedBeams& to = bounces == 0 ? tile_.primary : tile_.secondary;
     const float radius =
         options_.pixelRadii.empty() ? options_.beamRadius : options_.pixelRadii[pixel_];

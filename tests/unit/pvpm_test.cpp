@@ -109,6 +109,54 @@ TEST(Pvpm, AgreesWithVolpathAtSmallRadius) {
   }
 }
 
+TEST(Pvpm, OnePassIsTheBeamRadianceEstimateOfItsMap) {
+  // The same photons, camera rays and radius, all scattered light by photons: the images are equal
+  // but for the order of float sums.
+  const std::string file =
+      testing::TempDir() + fmt::format("brume_pvpm_bre_{}.photons", ::getpid());
+  std::string grid;
+  for (int i = 0; i < 64; ++i)
+    grid += fmt::format(" {}", i % 4 == 0 ? 0 : 0.2 + 0.1 * (i * 7 % 11));
+  const std::string smoke =
+      fog("\"color sigma_s\" [1 2 3] \"color sigma_a\" [.1 .1 .1] \"float g\" -.3 \"integer nx\" 4 "
+          "\"integer ny\" 4 "
+          "\"integer nz\" 4 \"float density\" [" +
+              grid + "]",
+          "volumegrid");
+  for (const std::string& medium :
+       {kFog, smoke, kFog + smoke,
+        fog("\"color sigma_s\" [1 1 1] \"float b\" .7", "exponential")}) {
+    const auto render = [&](const std::string& method) {
+      return renderText(
+                 fmt::format(
+                     "LookAt 0 .2 -2.4 0 0 0 0 1 0\nCamera \"perspective\" \"float fov\" 50\n"
+                     "Film \"image\" \"integer xresolution\" 24 \"integer yresolution\" 20 "
+                     "\"string precision\" \"float\"\n"
+                     "Sampler \"stratified\" \"integer xsamples\" 1 \"integer ysamples\" 1 \"bool "
+                     "jitter\" \"false\"\n"
+                     "GlobalIntegrator {} \"float radius\" .15 \"bool directvolume\" "
+                     "\"false\"\nWorldBegin\n{}\nWorldEnd\n",
+                     method, kPoint + medium))
+          .image;
+    };
+    const LayeredImage pvpm =
+        render(fmt::format("\"pvpm\" \"integer passes\" 1 \"integer photonsperpass\" 4000 \"bool "
+                           "fixedbeams\" \"true\" "
+                           "\"string savephotons\" \"{}\"",
+                           file));
+    const LayeredImage bre = render(fmt::format("\"bre\" \"string loadphotons\" \"{}\"", file));
+    double sum = 0;
+    for (const char* c : {"R", "G", "B"})
+      for (std::size_t i = 0; i < pvpm.channels.at(c).size(); ++i) {
+        sum += double{pvpm.channels.at(c)[i]};
+        EXPECT_NEAR(pvpm.channels.at(c)[i], bre.channels.at(c)[i], 1e-5f * bre.channels.at(c)[i])
+            << c << i << medium;
+      }
+    EXPECT_GT(sum, 0);
+  }
+  std::remove(file.c_str());
+}
+
 TEST(Pvpm, RadiiOfSinglePixelsConvergeToTheSameImage) {
   // 32 passes of each schedule from the same first radius: equal but for noise and what is left of
   // the bias, 5 % of a blurred image.
