@@ -16,8 +16,11 @@ namespace fs = std::filesystem;
 
 std::vector<std::string> sceneNames() {
   std::vector<std::string> names;
-  for (const auto& entry : fs::directory_iterator(fs::path(BRUME_SOURCE_DIR) / "scenes"))
-    if (entry.path().extension() == ".pbrt") names.push_back(entry.path().stem().string());
+  const fs::path scenes = fs::path(BRUME_SOURCE_DIR) / "scenes";
+  for (const char* folder : {".", "report"})
+    for (const auto& entry : fs::directory_iterator(scenes / folder))
+      if (entry.path().extension() == ".pbrt")
+        names.push_back((fs::path(folder) / entry.path().stem()).lexically_normal().string());
   std::sort(names.begin(), names.end());
   return names;
 }
@@ -30,7 +33,7 @@ TEST_P(Scenes, RendersSmall) {
   const ProgramResult result = runBrume(
       {{scene.string(), "--resolution", "16x16", "--spp", "4", "--strict"}, folder.path()});
   ASSERT_EQ(result.exitCode, 0) << result.err;
-  const std::string name = GetParam() + ".exr";
+  const std::string name = fs::path(GetParam()).filename().string() + ".exr";
   ASSERT_EQ(folder.files(), std::vector<std::string>{name})
       << "a scene names its image after itself";
   const RgbImage image = readImage((folder.path() / name).string());
@@ -42,8 +45,11 @@ TEST_P(Scenes, RendersSmall) {
   EXPECT_GT(sum, 0);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, Scenes, ::testing::ValuesIn(sceneNames()),
-                         [](const auto& scene) { return scene.param; });
+INSTANTIATE_TEST_SUITE_P(All, Scenes, ::testing::ValuesIn(sceneNames()), [](const auto& scene) {
+  std::string name = scene.param;
+  std::replace(name.begin(), name.end(), '/', '_');
+  return name;
+});
 
 }  // namespace
 }  // namespace brume::test
