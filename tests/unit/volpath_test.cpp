@@ -181,6 +181,79 @@ TEST(VolPath, ComponentsArePartsOfTheWhole) {
     EXPECT_GT(sums[PathComponent(c)].g, 0) << componentName(PathComponent(c));
 }
 
+/// Every technique may be switched off, and all ways lead to the same mean.
+void expectTechniquesAgree(const std::string& world, const std::vector<std::string>& switches,
+                           int samples) {
+  std::optional<Estimate> first;
+  for (const std::string& params : switches) {
+    const Estimate e =
+        estimateOf(renderText(scene(kFromOutside, world, samples, params)).image, "G");
+    if (!first) first = e;
+    EXPECT_LT(std::abs(e.z(*first)), kMaxZ)
+        << params << ": " << e.mean << " against " << first->mean;
+    EXPECT_LT(e.standardError, 0.1 * e.mean) << params;
+  }
+}
+
+const std::string kMatteFloor =
+    "Material \"matte\" Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3]\n"
+    "  \"point P\" [-9 -1 -9  -9 -1 9  9 -1 9  9 -1 -9]\n";
+
+TEST(VolPath, TechniquesAgreeOnPointLightsInAMedium) {
+  expectTechniquesAgree(
+      "LightSource \"point\" \"point from\" [.3 .2 .4] LightSource \"point\" \"point from\" [-.4 "
+      ".3 0]\n"
+      "LightSource \"point\" \"point from\" [3 4 0] \"color I\" [9 9 9]\n"
+      "Volume \"homogeneous\" \"color sigma_s\" [1 2 3] \"color sigma_a\" [.2 .1 0] \"float g\" "
+      ".4 " +
+          kBox + "\n" + kMatteFloor,
+      {"", "\"bool equiangular\" \"false\"", "\"bool towardslights\" \"false\"",
+       "\"string lights\" \"even\""},
+      64);
+}
+
+TEST(VolPath, TechniquesAgreeOnEmittingMedia) {
+  // A small flame beside a smoke that glows a little, over a floor; the flame is partly hidden by a
+  // wall and overlaps the smoke.
+  expectTechniquesAgree(
+      "Volume \"homogeneous\" \"color sigma_s\" [1 1 1] \"color sigma_a\" [.5 .5 .5] \"color Le\" "
+      "[.05 .05 .05] " +
+          kBox +
+          "\nVolume \"exponential\" \"color Le\" [90 60 20] \"color sigma_a\" [3 2 1] \"float b\" "
+          "4\n"
+          "  \"point p0\" [.7 .5 .6] \"point p1\" [1.2 1.3 1.1]\n"
+          "Shape \"disk\" \"float radius\" .5\n" +
+          kMatteFloor,
+      {"", "\"bool emissionsampling\" \"false\"", "\"string lights\" \"even\""}, 64);
+}
+
+TEST(VolPath, EmittingMediaLightAWhiteFurnace) {
+  // In thermal equilibrium with a medium that scatters too: everything has radiance 1.
+  for (const std::string& medium : equalMedia("\"color sigma_a\" [.5 2 8] \"color Le\" [.5 2 8] "
+                                              "\"color sigma_s\" [4 1 1] \"float g\" .5")) {
+    const auto image = renderText(scene(kFromOutside, kSky + medium, 16)).image;
+    for (const char* channel : {"R", "G", "B"}) {
+      const Estimate e = estimateOf(image, channel);
+      EXPECT_LT(std::abs(e.z(1)), kMaxZ) << medium << " mean " << e.mean;
+      EXPECT_LT(e.standardError, 0.02);
+    }
+  }
+}
+
+TEST(VolPath, SamplingASmallFlamePays) {
+  // A floor lit by a flame of a tenth of its distance: by chance alone few paths find it.
+  const std::string world =
+      "Volume \"homogeneous\" \"color Le\" [500 500 500] \"color sigma_a\" [1 1 1]\n"
+      "  \"point p0\" [-.1 .9 -.1] \"point p1\" [.1 1.1 .1]\n" +
+      kMatteFloor;
+  const std::string below = "4 3 5  .1 -1 .2  0 1 0";
+  const auto error = [&](const std::string& params) {
+    const Estimate e = estimateOf(renderText(scene(below, world, 32, params)).image, "G");
+    return e.standardError / e.mean;
+  };
+  EXPECT_LT(5 * error(""), error("\"bool emissionsampling\" \"false\""));
+}
+
 TEST(VolPath, SaysWhatItCannotFind) {
   const std::string point = "LightSource \"point\"\n",
                     glass = "Material \"glass\" Shape \"sphere\"\n";
