@@ -57,13 +57,14 @@ PixelValue pixelValue(const FilmTile::Sums& sums, const FilmTile::Moments* momen
 
 }  // namespace
 
-FilmTile::FilmTile(const Bounds2i& pixels, const Filter& filter, bool withVariance)
+FilmTile::FilmTile(const Bounds2i& pixels, const Filter& filter, bool withVariance, bool withLayers)
     : pixels_(pixels),
       filter_(filter),
       radius_(filter.radius()),
       onePixelPerSample_(filter.isConstant() && radius_ == Vec2(0.5f)),
       sums_(static_cast<std::size_t>(pixels.area())),
-      moments_(withVariance ? sums_.size() : 0) {
+      moments_(withVariance ? sums_.size() : 0),
+      layers_(withLayers ? sums_.size() : 0) {
   BRUME_CHECK(radius_.x <= kMaxFilterRadius && radius_.y <= kMaxFilterRadius);
 }
 
@@ -84,11 +85,19 @@ void FilmTile::addToPixel(Vec2i pixel, double w, const Rgb& L) {
   ++moments.samples;
 }
 
-void FilmTile::addSample(Vec2 raster, const Rgb& L) {
+void FilmTile::addLayersToPixel(Vec2i pixel, double w) {
+  LayerSums& sums = layers_[pixelIndex(pixels_, pixel)];
+  sums.w += w;
+  if (hasHit_) sums.wHit += w;
+  for (std::size_t i = 0; i < kLayerChannels; ++i) sums.wV[i] += w * double{values_[i]};
+}
+
+template <class Add>
+void FilmTile::forEachPixel(Vec2 raster, Add&& add) const {
   const Reach x = pixelsReached(raster.x, radius_.x, pixels_.lo.x, pixels_.hi.x);
   const Reach y = pixelsReached(raster.y, radius_.y, pixels_.lo.y, pixels_.hi.y);
   if (onePixelPerSample_) {
-    if (x.first <= x.last && y.first <= y.last) addToPixel({x.first, y.first}, 1, L);
+    if (x.first <= x.last && y.first <= y.last) add(Vec2i(x.first, y.first), 1.0);
     return;
   }
   // The filter is separable: its factors are evaluated once per column and row.
@@ -100,23 +109,39 @@ void FilmTile::addSample(Vec2 raster, const Rgb& L) {
     const double wy = filter_.weightY(static_cast<float>(j + 0.5 - raster.y));
     for (int i = x.first; i <= x.last; ++i) {
       const double w = wx[static_cast<std::size_t>(i - x.first)] * wy;
-      if (w != 0) addToPixel({i, j}, w, L);
+      if (w != 0) add(Vec2i(i, j), w);
     }
   }
+}
+
+void FilmTile::addSample(Vec2 raster, const Rgb& L, const LayerSample* layers) {
+  if (!layers || layers_.empty()) {
+    forEachPixel(raster, [&](Vec2i pixel, double w) { addToPixel(pixel, w, L); });
+    return;
+  }
+  values_ = layerValues(*layers);
+  hasHit_ = layers->hasHit;
+  hasComponents_ = hasComponents_ || layers->components.has_value();
+  forEachPixel(raster, [&](Vec2i pixel, double w) {
+    addToPixel(pixel, w, L);
+    addLayersToPixel(pixel, w);
+  });
 }
 
 Film::Film(const Settings& settings, const Filter& filter)
     : settings_(settings),
       filter_(filter),
       sums_(static_cast<std::size_t>(settings.crop.area())),
-      moments_(settings.withVariance ? sums_.size() : 0) {
+      moments_(settings.withVariance ? sums_.size() : 0),
+      layers_(settings.withLayers ? sums_.size() : 0) {
   BRUME_CHECK(settings.crop.area() > 0);
 }
 
-std::size_t Film::bytesPerPixel(bool withVariance) {
+std::size_t Film::bytesPerPixel(bool withVariance, bool withLayers) {
   constexpr std::size_t kColour = sizeof(FilmTile::Sums) + 3 * sizeof(float);
   constexpr std::size_t kVariance = sizeof(FilmTile::Moments) + 4 * sizeof(float);
-  return kColour + (withVariance ? kVariance : 0);
+  constexpr std::size_t kLayers = sizeof(FilmTile::LayerSums) + kLayerChannels * sizeof(float);
+  return kColour + (withVariance ? kVariance : 0) + (withLayers ? kLayers : 0);
 }
 
 Bounds2i Film::sampleBounds() const {
@@ -145,16 +170,23 @@ FilmTile Film::makeTile(const Bounds2i& samples) const {
       {std::max(first(samples.lo.x, r.x), crop.lo.x),
        std::max(first(samples.lo.y, r.y), crop.lo.y)},
       {std::min(end(samples.hi.x, r.x), crop.hi.x), std::min(end(samples.hi.y, r.y), crop.hi.y)}};
-  return {pixels, filter_, settings_.withVariance};
+  return {pixels, filter_, settings_.withVariance, settings_.withLayers};
 }
 
 void Film::merge(const FilmTile& tile) {
   const Bounds2i& b = tile.pixels_;
+  hasComponents_ = hasComponents_ || tile.hasComponents_;
   for (int y = b.lo.y; y < b.hi.y; ++y)
     for (int x = b.lo.x; x < b.hi.x; ++x) {
       const std::size_t from = pixelIndex(b, {x, y}), to = pixelIndex(settings_.crop, {x, y});
       sums_[to].w += tile.sums_[from].w;
       for (int c = 0; c < 3; ++c) sums_[to].wL[c] += tile.sums_[from].wL[c];
+      if (!layers_.empty()) {
+        const FilmTile::LayerSums& l = tile.layers_[from];
+        layers_[to].w += l.w;
+        layers_[to].wHit += l.wHit;
+        for (std::size_t c = 0; c < kLayerChannels; ++c) layers_[to].wV[c] += l.wV[c];
+      }
       if (moments_.empty()) continue;
       const FilmTile::Moments& m = tile.moments_[from];
       moments_[to].w2 += m.w2;
@@ -191,7 +223,22 @@ LayeredImage Film::develop() const {
     for (int c = 0; c < 3; ++c) (*variance[c])[i] = static_cast<float>(value.variance[c]);
     (*samples)[i] = static_cast<float>(moments->samples);
   }
+  if (!layers_.empty()) developLayers(image);
   return image;
+}
+
+void Film::developLayers(LayeredImage& image) const {
+  const auto& names = layerChannelNames();
+  for (std::size_t c = hasComponents_ ? 0 : kComponentChannels; c < kLayerChannels; ++c) {
+    std::vector<float>& channel = image.channels[names[c]];
+    channel.resize(layers_.size());
+    const bool isDepth = c == kDepthChannel;
+    for (std::size_t i = 0; i < layers_.size(); ++i) {
+      const double w = isDepth ? layers_[i].wHit : layers_[i].w;
+      const double nothing = isDepth ? std::numeric_limits<double>::infinity() : 0;
+      channel[i] = static_cast<float>(w != 0 ? layers_[i].wV[c] / w : nothing);
+    }
+  }
 }
 
 double Film::estimatedRelativeError() const {

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/film_layers.h"
 #include "core/filter.h"
 #include "core/io/image.h"
 #include "core/params.h"
@@ -17,9 +18,10 @@ namespace brume {
 class FilmTile {
  public:
   /// `pixels` are those that get sums; samples may fall outside and reach in.
-  FilmTile(const Bounds2i& pixels, const Filter& filter, bool withVariance);
-  /// Adds radiance at a raster position to every pixel whose filter reaches it.
-  void addSample(Vec2 raster, const Rgb& L);
+  FilmTile(const Bounds2i& pixels, const Filter& filter, bool withVariance, bool withLayers);
+  /// Adds radiance at a raster position to every pixel whose filter reaches it; and the layers, in
+  /// a film that has them.
+  void addSample(Vec2 raster, const Rgb& L, const LayerSample* layers = nullptr);
   const Bounds2i& pixels() const { return pixels_; }
 
   /// Per pixel, in double.
@@ -33,17 +35,31 @@ class FilmTile {
     double w2L[3] = {0, 0, 0}, w2L2[3] = {0, 0, 0};
     std::uint64_t samples = 0;  ///< that reached the pixel
   };
+  /// Sums of w times each channel of the layers, and of w alone over all samples with layers and
+  /// over those that met a surface.
+  struct LayerSums {
+    double w = 0, wHit = 0;
+    std::array<double, kLayerChannels> wV{};
+  };
 
  private:
   friend class Film;
   void addToPixel(Vec2i pixel, double w, const Rgb& L);
+  void addLayersToPixel(Vec2i pixel, double w);
+  template <class Add>
+  void forEachPixel(Vec2 raster, Add&& add) const;
 
   Bounds2i pixels_;
   const Filter& filter_;
   Vec2 radius_;
   bool onePixelPerSample_ = false;  // the filter is the pixel's own square
   std::vector<Sums> sums_;
-  std::vector<Moments> moments_;  // empty without variance
+  std::vector<Moments> moments_;   // empty without variance
+  std::vector<LayerSums> layers_;  // empty without layers
+  bool hasComponents_ = false;
+  // The sample that is being added.
+  std::array<float, kLayerChannels> values_{};
+  bool hasHit_ = false;
 };
 
 /// What the camera's light is gathered on. Sums are kept in double; tiles are merged in the order
@@ -58,6 +74,7 @@ class Film {
     std::optional<std::array<float, 4>> crop;  ///< --crop x0,x1,y0,y1
     bool quick = false;                        ///< --quick
     bool variance = false;                     ///< someone needs the variance (--error)
+    bool layers = false;                       ///< --layers
     SourceLocation where;
     Log* log = nullptr;
   };
@@ -67,6 +84,7 @@ class Film {
     std::string filename = "pbrt.exr";
     PixelPrecision precision = PixelPrecision::Half;
     bool withVariance = false;
+    bool withLayers = false;
   };
   virtual ~Film() = default;
   Film(const Settings& settings, const Filter& filter);
@@ -82,20 +100,25 @@ class Film {
   void merge(const FilmTile& tile);
   /// The image so far: R, G, B = max(0, sum w L / sum w), 0 where nothing fell; "variance.R/G/B"
   /// [variance of the pixel value, unclamped; infinite below two samples] and "samples" when asked
-  /// for.
+  /// for; and the layers (layerChannelNames), unclamped: their means over the samples, the depth's
+  /// over those that meet a surface, infinite where none does; the components only when some
+  /// integrator told them apart.
   LayeredImage develop() const;
   /// Square root of the mean over pixels and channels of variance / (value^2 + 0.01 mean^2): an
   /// estimate of the relative error. Needs withVariance.
   double estimatedRelativeError() const;
 
   /// Bytes per pixel of a film with and without variance, the developed image included.
-  static std::size_t bytesPerPixel(bool withVariance);
+  static std::size_t bytesPerPixel(bool withVariance, bool withLayers);
 
  private:
   Settings settings_;
   const Filter& filter_;
   std::vector<FilmTile::Sums> sums_;
   std::vector<FilmTile::Moments> moments_;
+  std::vector<FilmTile::LayerSums> layers_;
+  bool hasComponents_ = false;
+  void developLayers(LayeredImage& image) const;
 };
 
 }  // namespace brume

@@ -32,6 +32,7 @@ class ImageFilm final : public Film {
     bool display = false;
     PixelPrecision precision = PixelPrecision::Half;
     bool variance = false;
+    bool layers = false;
 
     void visit(ParamVisitor& v) {
       // Beyond 2^20 a float cannot tell positions inside a pixel apart any more.
@@ -47,6 +48,8 @@ class ImageFilm final : public Film {
       v(precision, "precision", {{"half", PixelPrecision::Half}, {"float", PixelPrecision::Float}},
         "of the channels of an .exr file");
       v(variance, "variance", "write the variance of each pixel and its number of samples (.exr)");
+      v(layers, "layers",
+        "write the parts of the light (volpath), depth, normal, albedo and transmittance (.exr)");
     }
   };
 
@@ -61,6 +64,7 @@ class ImageFilm final : public Film {
         cropPixels(settings.resolution, context.crop ? context.crop : params.cropwindow);
     settings.precision = params.precision;
     settings.withVariance = params.variance || context.variance;
+    settings.withLayers = params.layers || context.layers;
     checkMemory(settings, context);
 
     settings.filename = context.outputName.empty() ? params.filename : context.outputName;
@@ -73,10 +77,12 @@ class ImageFilm final : public Film {
           settings.filename);
       throw context.outputName.empty() ? SceneError(context.where, text) : SceneError(text);
     }
-    if (settings.withVariance && !settings.filename.ends_with(".exr"))
-      context.log->warning(context.where, fmt::format("'{}' holds colour only: the variance is not "
-                                                      "written; choose a name that ends in '.exr'",
-                                                      settings.filename));
+    if ((settings.withVariance || settings.withLayers) && !settings.filename.ends_with(".exr"))
+      context.log->warning(
+          context.where,
+          fmt::format("'{}' holds colour only: {} not "
+                      "written; choose a name that ends in '.exr'",
+                      settings.filename, settings.withLayers ? "layers are" : "the variance is"));
     if (params.display)
       context.log->warning(context.where, "\"display\" has no effect: brume opens no window");
     return settings;
@@ -112,8 +118,9 @@ class ImageFilm final : public Film {
   }
 
   static void checkMemory(const Settings& settings, const FactoryContext& context) {
-    const double bytes = static_cast<double>(settings.crop.area()) *
-                         static_cast<double>(bytesPerPixel(settings.withVariance));
+    const double bytes =
+        static_cast<double>(settings.crop.area()) *
+        static_cast<double>(bytesPerPixel(settings.withVariance, settings.withLayers));
     const double limit = std::min(kMaxBytes, memoryOfMachine());
     if (bytes > limit)
       throw SceneError(

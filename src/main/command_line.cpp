@@ -18,7 +18,7 @@ struct RenderWords {
   std::vector<std::string> scenes, integrators;
   std::string outfile, threads, crop, resolution, spp, seed, passes, time, error, stats;
   bool quick = false, quiet = false, verbose = false, check = false, plan = false, strict = false,
-       variance = false, png = false;
+       variance = false, layers = false, png = false;
 };
 
 struct DiffWords {
@@ -62,6 +62,9 @@ void declareRender(CLI::App& app, RenderWords& words) {
                  "render this part only; fractions of the image from the top left"));
   image(app.add_flag("--variance", words.variance,
                      "also write the variance of every pixel and its sample count (EXR)"));
+  image(app.add_flag("--layers", words.layers,
+                     "also write the parts of the light, depth, normal, albedo and transmittance "
+                     "(EXR)"));
 
   image(app.add_flag("--png", words.png, "also write a PNG beside the image"));
 
@@ -207,6 +210,7 @@ RenderCommand readRender(const RenderWords& words) {
   settings.outputName = words.outfile;
   settings.quick = words.quick;
   settings.variance = words.variance;
+  settings.layers = words.layers;
   settings.integrators = words.integrators;
   settings.seed = given("--seed", words.seed, parseSeed).value_or(0);
   settings.resolution = given("--resolution", words.resolution, parseResolution);

@@ -24,6 +24,7 @@ struct RenderJob::Parts {
   Parts(SceneDescription description, const RenderSettings& settings, Log& log);
   void makeImageSide(RenderOptions& options, PluginFactory& factory, Log& log);
   void makeIntegrators(RenderOptions& options, PluginFactory& factory);
+  void checkLayers() const;
   RenderLimits limits() const;
   std::unique_ptr<ImageRenderer> makeRenderer() const;
   RenderResult resultAt(const RenderOutcome& outcome, const Stats& stats) const;
@@ -92,6 +93,7 @@ RenderJob::Parts::Parts(SceneDescription description, const RenderSettings& sett
   scene = std::make_unique<Scene>(std::move(description.world));
   plan = planScene(takeInventory(*scene));
   makeIntegrators(options, factory);
+  checkLayers();
   for (const std::string& line : plan.lines()) log.verbose("plan: " + line);
   plugins = factory.takeUsed();
   setupSeconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
@@ -107,6 +109,7 @@ void RenderJob::Parts::makeImageSide(RenderOptions& options, PluginFactory& fact
   filmContext.crop = settings.crop;
   filmContext.quick = settings.quick;
   filmContext.variance = settings.variance || settings.targetError;
+  filmContext.layers = settings.layers;
   film = factory.make<Film>(options.film, filmContext);
 
   Camera::FactoryContext cameraContext;
@@ -154,6 +157,19 @@ void RenderJob::Parts::makeIntegrators(RenderOptions& options, PluginFactory& fa
   const VolumeIntegrator& used = scene->volume() ? *media : clearMedia;
   joined = std::make_unique<CameraRadiance>(*scene, *surface, used);
   radiance = joined.get();
+}
+
+/// Says which layers cannot be had.
+void RenderJob::Parts::checkLayers() const {
+  if (!film->settings().withLayers) return;
+  if (passes)
+    throw SceneError(
+        "layers are written by integrators that answer per ray; this one renders "
+        "whole passes");
+  if (!radiance->splitsComponents())
+    log.warning({},
+                "the layers of light are left out: \"volpath\" alone tells its parts apart; "
+                "depth, normal, albedo and transmittance are written");
 }
 
 RenderJob::RenderJob(SceneDescription description, const RenderSettings& settings, Log& log)
@@ -213,7 +229,7 @@ std::unique_ptr<ImageRenderer> RenderJob::Parts::makeRenderer() const {
     return std::make_unique<PassRenderer>(
         PassRenderer::Parts{*camera, *sampler, *film, *passes, settings.seed, footprints, log});
   return std::make_unique<TileRenderer>(
-      TileRenderParts{*camera, *sampler, *film, *radiance, settings.seed, footprints});
+      TileRenderParts{*camera, *sampler, *film, *radiance, settings.seed, footprints, scene.get()});
 }
 
 RenderResult RenderJob::run(const std::atomic<bool>& stop,

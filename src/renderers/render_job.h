@@ -30,6 +30,7 @@ struct RenderSettings {
   std::optional<double> maxSeconds;   ///< --time
   std::optional<double> targetError;  ///< --error: stop when the estimated relative error is below
   bool variance = false;              ///< write variance layers
+  bool layers = false;                ///< write components, depth, normal, albedo, transmittance
   std::vector<std::string> integrators;  ///< --integrator NAME[:key=value,...]
 };
 

@@ -8,6 +8,7 @@
 
 #include "core/parallel.h"
 #include "core/rng.h"
+#include "renderers/first_hit.h"
 
 namespace brume {
 namespace {
@@ -133,7 +134,13 @@ void TileRenderer::renderPixel(Vec2i pixel, PixelSampler& pixelSampler, Tile& ti
   RenderContext context{pixelSampler, tile.stats};
   for (int i = first; i < end; ++i) {
     const CameraSample sample = pixelSampler.startSample(i);
-    tile.film.addSample(sample.raster, sampleRadiance(sample, context));
+    if (!hasLayers()) {
+      tile.film.addSample(sample.raster, sampleRadiance(sample, context, nullptr));
+      continue;
+    }
+    LayerSample layers;
+    const Rgb L = sampleRadiance(sample, context, &layers);
+    tile.film.addSample(sample.raster, L, &layers);
   }
 }
 
@@ -141,27 +148,40 @@ void TileRenderer::refinePixel(int count, PixelSampler& pixelSampler, Tile& tile
   RenderContext context{pixelSampler, tile.stats};
   std::vector<Vec2> rasters;
   std::vector<Rgb> values;
+  std::vector<LayerSample> layers;
   while (count > 0) {
     rasters.clear();
     values.clear();
+    layers.clear();
     for (int i = 0; i < count; ++i) {
       const CameraSample sample = pixelSampler.startSample(i);
       rasters.push_back(sample.raster);
-      values.push_back(sampleRadiance(sample, context));
+      if (hasLayers()) layers.emplace_back();
+      values.push_back(sampleRadiance(sample, context, hasLayers() ? &layers.back() : nullptr));
     }
     count = pixelSampler.refine(values);
   }
-  for (std::size_t i = 0; i < values.size(); ++i) tile.film.addSample(rasters[i], values[i]);
+  for (std::size_t i = 0; i < values.size(); ++i)
+    tile.film.addSample(rasters[i], values[i], layers.empty() ? nullptr : &layers[i]);
 }
 
-Rgb TileRenderer::sampleRadiance(const CameraSample& sample, RenderContext& context) const {
+Rgb TileRenderer::sampleRadiance(const CameraSample& sample, RenderContext& context,
+                                 LayerSample* layers) const {
   FootprintRay ray = parts_.camera.generateRay(sample);
   if (parts_.footprints)
     ray.scaleDifferential(1.f / std::sqrt(static_cast<float>(parts_.sampler.samplesPerPixel())));
   else
     ray.differential.reset();
   context.stats.add(Stat::CameraRays);
-  return context.stats.checkRadiance(parts_.radiance.Li(ray, 0, context));
+  if (!layers) return context.stats.checkRadiance(parts_.radiance.Li(ray, 0, context));
+
+  if (parts_.radiance.splitsComponents()) context.components = &layers->components.emplace();
+  const Rgb L = parts_.radiance.Li(ray, 0, context);
+  context.components = nullptr;
+  // What the film does not take for colour, it takes for no layer either.
+  if (!L.isFinite() && layers->components) layers->components.emplace();
+  describeFirstHit(*parts_.scene, ray, *layers, context.stats);
+  return context.stats.checkRadiance(L);
 }
 
 }  // namespace brume

@@ -20,7 +20,8 @@ struct TileRenderParts {
   Film& film;
   const RayRadiance& radiance;
   std::uint64_t seed = 0;
-  bool footprints = true;  ///< whether any texture will look at the rays' differentials
+  bool footprints = true;        ///< whether any texture will look at the rays' differentials
+  const Scene* scene = nullptr;  ///< for the layers, in a film that has them
 };
 
 /// Renders ranges of samples into a film. Tiles of fixed size are begun in order by whichever
@@ -47,7 +48,8 @@ class TileRenderer final : public ImageRenderer {
   void renderTile(Tile& tile, const Run& run) const;
   void renderPixel(Vec2i pixel, PixelSampler& pixelSampler, Tile& tile, const Run& run) const;
   void refinePixel(int count, PixelSampler& pixelSampler, Tile& tile) const;
-  Rgb sampleRadiance(const CameraSample& sample, RenderContext& context) const;
+  Rgb sampleRadiance(const CameraSample& sample, RenderContext& context, LayerSample* layers) const;
+  bool hasLayers() const { return parts_.scene && parts_.film.settings().withLayers; }
 
   TileRenderParts parts_;
 };

@@ -21,10 +21,10 @@ TEST(Options, HelpNamesOptionsCommandsAndExitCodes) {
   const ProgramResult result = runBrume({{"--help"}});
   EXPECT_EQ(result.exitCode, 0) << result.err;
   for (const char* word :
-       {"--outfile",    "--threads", "--quick",   "--quiet", "--verbose",    "--crop",
-        "--resolution", "--spp",     "--seed",    "--stats", "--integrator", "--passes",
-        "--time",       "--error",   "--check",   "--plan",  "--strict",     "--variance",
-        "diff",         "plugins",   "Exit codes"})
+       {"--outfile",    "--threads", "--quick", "--quiet",   "--verbose",    "--crop",
+        "--resolution", "--spp",     "--seed",  "--stats",   "--integrator", "--passes",
+        "--time",       "--error",   "--check", "--plan",    "--strict",     "--variance",
+        "--layers",     "diff",      "plugins", "Exit codes"})
     EXPECT_TRUE(contains(result.out, word)) << word;
   EXPECT_EQ(result.err, "");
 }

@@ -67,7 +67,7 @@ TEST(EmissionSampler, DensityIsThatOfTheDirections) {
       const double error =
           std::sqrt((drawn2[k] - sqr(drawn[k]) + uniform2[k] - sqr(uniform[k])) / kCount);
       EXPECT_LT(std::abs(drawn[k] - uniform[k]), 4 * error) << k;
-      EXPECT_LT(error, 0.02 * drawn[k]);
+      EXPECT_LT(error, 0.06 * drawn[k]);  // uniform directions seldom meet what is far
     }
   }
 }

@@ -254,6 +254,57 @@ TEST(VolPath, SamplingASmallFlamePays) {
   EXPECT_LT(5 * error(""), error("\"bool emissionsampling\" \"false\""));
 }
 
+TEST(VolPath, LayersAddUpToTheImage) {
+  const std::string world =
+      kSky + "LightSource \"point\" \"point from\" [.4 2 .2]\n" + kMatteFloor +
+      "AttributeBegin Material \"mirror\" Shape \"sphere\" \"float radius\" .5 AttributeEnd\n"
+      "Volume \"homogeneous\" \"color sigma_s\" [1 1 1] " +
+      kBox + "\n";
+  std::string text = scene("4 3 5  0 0 0  0 1 0", world, 4);
+  text.replace(text.find("0.001"), 5, "60");  // see all of it
+  RenderSettings settings;
+  settings.layers = true;
+  const auto image = renderText("PixelFilter \"box\"\n" + text, settings).image;
+  const auto plain = renderText("PixelFilter \"box\"\n" + text).image;
+  double transmittances = 0;
+  for (std::size_t i = 0; i < image.channels.at("R").size(); ++i) {
+    for (const char* c : {"R", "G", "B"}) {
+      EXPECT_EQ(image.channels.at(c)[i], plain.channels.at(c)[i]);  // layers change nothing
+      float sum = 0;
+      for (int k = 0; k < kPathComponents; ++k)
+        sum += image.channels.at(std::string(componentName(PathComponent(k))) + "." + c)[i];
+      EXPECT_NEAR(sum, image.channels.at(c)[i], 1e-5f * (1 + sum));  // rounding
+    }
+    const float depth = image.channels.at("depth.Z")[i];
+    if (std::isinf(depth)) {
+      EXPECT_EQ(image.channels.at("albedo.G")[i], 0);
+    } else {
+      EXPECT_GT(depth, 3);
+      EXPECT_LT(depth, 30);
+    }
+    transmittances += double{image.channels.at("transmittance.G")[i]};
+  }
+  EXPECT_LT(transmittances, 0.97 * 256);  // the box of fog fills a part of the image
+  EXPECT_GT(transmittances, 0.1 * 256);
+}
+
+TEST(VolPath, LayersOfTheFirstSurface) {
+  // A matte floor seen straight from above, through one optical depth of absorption.
+  const std::string world =
+      kMatteFloor + "Volume \"homogeneous\" \"color sigma_a\" [.5 .5 .5] " + kBox;
+  RenderSettings settings;
+  settings.layers = true;
+  const auto image = renderText(scene("0 4 0  0 0 0  1 0 0", world, 4), settings).image;
+  const auto all = [&](const char* name, double expected, double tolerance) {
+    for (float v : image.channels.at(name)) EXPECT_NEAR(v, expected, tolerance) << name;
+  };
+  all("depth.Z", 5, 1e-4);
+  all("normal.X", 0, 1e-5);
+  for (float v : image.channels.at("normal.Y")) EXPECT_NEAR(std::abs(v), 1, 1e-5);
+  all("albedo.R", 0.5, 2e-3);  // 16 stratified directions; half precision
+  all("transmittance.R", std::exp(-1.0), 1e-3);
+}
+
 TEST(VolPath, SaysWhatItCannotFind) {
   const std::string point = "LightSource \"point\"\n",
                     glass = "Material \"glass\" Shape \"sphere\"\n";
