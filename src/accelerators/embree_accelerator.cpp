@@ -19,8 +19,9 @@ namespace brume {
 
 namespace {
 
-/// More triangles than this are built faster and with less memory, without spatial splits.
-constexpr std::size_t kMostTrianglesForHighQuality = 1'000'000;
+/// More triangles than this are built faster and with less memory, without spatial splits: those
+/// take twice as much while the tree is built.
+constexpr std::size_t kMostTrianglesForHighQuality = 200'000;
 /// Segments of the shutter time for which moving instances have bounds of their own.
 constexpr int kMotionSegments = 16;
 /// Embree drops what lies beyond.
@@ -180,6 +181,7 @@ class EmbreeAccelerator final : public Accelerator {
   bool occluded(const Ray& ray) const override;
   Bounds3 bounds() const override { return groupScenes_.back().bounds; }
   std::size_t memoryBytes() const override { return static_cast<std::size_t>(memory_.load()); }
+  std::size_t peakMemoryBytes() const override { return static_cast<std::size_t>(peak_.load()); }
 
  private:
   void buildGroup(const PrimitiveGroup& group, GroupScene& out);
@@ -190,13 +192,17 @@ class EmbreeAccelerator final : public Accelerator {
   void attachMovingInstances(RTCScene scene, unsigned id);
   void commit(RTCScene scene);
   void throwIfFailed() const;
+  void countMemory(std::int64_t bytes) {
+    const std::int64_t now = memory_ += bytes;
+    if (now > peak_) peak_ = now;  // one thread builds
+  }
   /// Position of a time in the span in which anything moves, as Embree wants it.
   float shutterPosition(float time) const {
     return std::clamp((time - motionStart_) * inverseMotionLength_, 0.f, 1.f);
   }
 
   // Destroyed in reverse order: what the callbacks of the device write to outlives it.
-  std::atomic<std::int64_t> memory_{0};
+  std::atomic<std::int64_t> memory_{0}, peak_{0};
   std::string error_;
   bool outOfMemory_ = false;
   DevicePtr device_;
@@ -215,7 +221,7 @@ EmbreeAccelerator::EmbreeAccelerator(const std::vector<PrimitiveGroup>& groups) 
   rtcSetDeviceMemoryMonitorFunction(
       device_.get(),
       [](void* self, ssize_t bytes, bool) {
-        static_cast<EmbreeAccelerator*>(self)->memory_ += bytes;
+        static_cast<EmbreeAccelerator*>(self)->countMemory(bytes);
         return true;
       },
       this);

@@ -44,6 +44,8 @@ class Accelerator {
   virtual Bounds3 bounds() const = 0;
   /// Bytes of the structure itself (without the meshes).
   virtual std::size_t memoryBytes() const = 0;
+  /// The most that it took while it was built.
+  virtual std::size_t peakMemoryBytes() const = 0;
 };
 
 /// groups.back() is the scene. The groups outlive the accelerator.

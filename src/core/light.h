@@ -96,6 +96,8 @@ class Light {
   /// Position [render space] around which the emission falls off with distance squared; none for
   /// distant and infinite ones.
   virtual std::optional<Vec3> position() const { return std::nullopt; }
+  /// Radius of a ball around position() that holds the light; 0 for those of one point.
+  virtual float extent() const { return 0; }
   /// A part of range outside which no unscattered light of this one falls on the ray (spot lights:
   /// the cone). Empty when none does.
   virtual Interval illuminated(const Ray&, Interval range) const { return range; }

@@ -80,6 +80,12 @@ float ScrambledSequence::get1D() {
   return point1D(reversedIndex_, s);
 }
 
+float ScrambledSequence::getShift() {
+  // Van der Corput's sequence in an order of its own, turned on the circle.
+  const Scramble s = nextScramble();
+  return uniformFloat(scrambleReversed(reversedIndex_, s.order) + s.x);
+}
+
 Vec2 ScrambledSequence::get2D() {
   const Scramble s = nextScramble();
   return dimension_ > kSequenceDimensions ? hashed(index_, s) : point(reversedIndex_, s);

@@ -84,6 +84,7 @@ class ScrambledSequence : public PixelSampler {
 
   float get1D() final;
   Vec2 get2D() final;
+  float getShift() final;
   void get1DArray(std::span<float> values) final;
   void get2DArray(std::span<Vec2> values) final;
 

@@ -25,6 +25,7 @@ class Material {
     Lookup* named = nullptr;
     SourceLocation where;
     Log* log = nullptr;
+    FileCache* files = nullptr;  ///< of the scene; null outside of one
   };
 
   virtual ~Material() = default;

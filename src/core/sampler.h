@@ -28,6 +28,10 @@ class SampleStream {
   virtual ~SampleStream() = default;
   virtual float get1D() = 0;
   virtual Vec2 get2D() = 0;
+  /// A value that shifts a rule of evenly spaced points: where the sampler can, 2^k samples of a
+  /// pixel get evenly spaced values with one random offset, so that their rules together are one
+  /// finer rule.
+  virtual float getShift() { return get1D(); }
   /// A set of values that is well distributed in itself and over the samples of the pixel.
   virtual void get1DArray(std::span<float> values) = 0;
   virtual void get2DArray(std::span<Vec2> values) = 0;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/accelerator.h"
+#include "core/file_cache.h"
 #include "core/light.h"
 #include "core/material.h"
 #include "core/stats.h"
@@ -20,6 +21,7 @@ class Scene {
  public:
   /// What the SceneBuilder hands over.
   struct Contents {
+    std::unique_ptr<FileCache> files;  ///< what textures and materials look at; or null
     std::vector<std::unique_ptr<Texture<float>>> floatTextures;
     std::vector<std::unique_ptr<Texture<Rgb>>> rgbTextures;
     std::vector<std::unique_ptr<Material>> materials;

@@ -20,6 +20,7 @@ struct TextureContext {
   float dudx = 0, dvdx = 0, dudy = 0, dvdy = 0;
 };
 
+class FileCache;
 class Log;
 
 /// What a texture plugin is made from, beside its parameters.
@@ -27,6 +28,7 @@ struct TextureFactoryContext {
   Transform textureToScene;  ///< CTM at the Texture directive (start time), scene space
   SourceLocation where;
   Log* log = nullptr;
+  FileCache* files = nullptr;  ///< of the scene; null outside of one
 };
 
 /// A value of type T (float or Rgb) over surfaces. Immutable and thread-safe.

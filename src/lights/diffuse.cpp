@@ -68,6 +68,7 @@ class DiffuseAreaLight final : public AreaLight {
     return LightBounds{bounds_, shape_.normals(), 0, double{lightWeight(L_)} * double{area_}};
   }
   std::optional<Vec3> position() const override { return bounds_.center(); }
+  float extent() const override { return bounds_.radius(); }
   std::optional<LightEmission> sampleEmission(const Ball& target,
                                               const EmissionUniforms& u) const override;
 

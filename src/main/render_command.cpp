@@ -173,6 +173,7 @@ void RenderRun::render(RenderJob& job, FrameReport report) {
   report.seconds.write = watch.lap();
   report.peakMemory = peakMemory();
   report.acceleratorMemory = job.scene().accelerator().memoryBytes();
+  report.acceleratorPeak = job.scene().accelerator().peakMemoryBytes();
   report.stats = result.stats;
   report.plugins = job.plugins();
   report.plan = job.plan();

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <map>
-#include <mutex>
-
+#include "core/file_cache.h"
 #include "core/material.h"
 #include "core/registry.h"
 #include "materials/lobes_measured.h"
@@ -9,18 +7,14 @@
 namespace brume {
 namespace {
 
-/// The table of a file, shared by all materials that name it while one of them lives: exporters
-/// write the same material before every shape, and a MERL table is 17 MB.
+/// The table of a file, shared by all materials of a scene that name it: exporters write the same
+/// material before every shape, and a MERL table is 17 MB.
 template <class Brdf>
-std::shared_ptr<const Brdf> loadOnce(const std::string& path, const SourceLocation& where) {
-  static std::mutex mutex;
-  static std::map<std::string, std::weak_ptr<const Brdf>> loaded;
-  const std::lock_guard lock(mutex);
-  std::weak_ptr<const Brdf>& entry = loaded[path];
-  if (auto present = entry.lock()) return present;
-  auto brdf = std::make_shared<const Brdf>(path, where);
-  entry = brdf;
-  return brdf;
+const Brdf* loadOnce(FileCache& files, const std::string& path, const SourceLocation& where) {
+  return files
+      .get<std::unique_ptr<const Brdf>>(path,
+                                        [&] { return std::make_unique<const Brdf>(path, where); })
+      .get();
 }
 
 /// A measured isotropic BRDF from a file: the MERL format (see MerlBrdf), or, by the suffix .brdf,
@@ -37,15 +31,16 @@ class Measured final : public Material {
     }
   };
 
-  Measured(Params params, const FactoryContext& context) : params_(std::move(params)) {
+  Measured(Params params, const FactoryContext& context)
+      : params_(std::move(params)), files_(context.files) {
     const Filename& file = params_.filename;
     if (!file.isGiven())
       throw SceneError(context.where, "Material 'measured' needs the parameter 'string filename'");
     const SourceLocation& where = file.where.isKnown() ? file.where : context.where;
     if (file.path.ends_with(".brdf") || file.path.ends_with(".BRDF"))
-      irregular_ = loadOnce<IrregularBrdf>(file.path, where);
+      irregular_ = loadOnce<IrregularBrdf>(*files_, file.path, where);
     else
-      merl_ = loadOnce<MerlBrdf>(file.path, where);
+      merl_ = loadOnce<MerlBrdf>(*files_, file.path, where);
   }
 
   bool hasSpecular() const override { return false; }
@@ -62,8 +57,9 @@ class Measured final : public Material {
 
  private:
   Params params_;
-  std::shared_ptr<const MerlBrdf> merl_;  // one of the two
-  std::shared_ptr<const IrregularBrdf> irregular_;
+  FileCacheOf files_;
+  const MerlBrdf* merl_ = nullptr;  // one of the two
+  const IrregularBrdf* irregular_ = nullptr;
 };
 
 const RegisterPlugin<Material, Measured> kRegistration{

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include "core/file_cache.h"
 #include "core/io/image.h"
 #include "core/mipmap.h"
 #include "core/registry.h"
@@ -40,9 +41,10 @@ void convert(const Rgb& from, const ImageMapParams& p, float& to) {
 }
 
 template <class T>
-MipMap<T> loadPyramid(const ImageMapParams& params, const SourceLocation& where) {
-  if (!params.filename.isGiven()) throw SceneError(where, "imagemap needs \"string filename\"");
-  const RgbImage image = readTextureImage(params.filename.path, params.filename.where);
+MipMap<T> makePyramid(const ImageMapParams& params, FileCache& files) {
+  const RgbImage& image = files.get<RgbImage>(params.filename.path, [&] {
+    return readTextureImage(params.filename.path, params.filename.where);
+  });
   std::vector<T> texels(image.pixels.size());
   for (std::size_t i = 0; i < texels.size(); ++i) convert(image.pixels[i], params, texels[i]);
   try {
@@ -51,6 +53,16 @@ MipMap<T> loadPyramid(const ImageMapParams& params, const SourceLocation& where)
     throw SceneError(params.filename.where,
                      fmt::format("cannot use image '{}': {}", params.filename.path, e.what()));
   }
+}
+
+/// The pyramid of a file with these settings, made once for all textures that share them.
+template <class T>
+const MipMap<T>& pyramidOf(const ImageMapParams& p, FileCache& files, const SourceLocation& where) {
+  if (!p.filename.isGiven()) throw SceneError(where, "imagemap needs \"string filename\"");
+  const std::string key =
+      fmt::format("{} {} {} {} {} {}", p.scale, p.gamma, static_cast<int>(p.filter.wrap),
+                  p.filter.trilinear, p.filter.maxAnisotropy, p.filename.path);
+  return files.get<MipMap<T>>(key, [&] { return makePyramid<T>(p, files); });
 }
 
 /// An image, filtered over the footprint; t = 0 is the top row of EXR files, the bottom row of all
@@ -62,7 +74,9 @@ class ImageMapTexture final : public Texture<T> {
   using Params = ImageMapParams;
 
   ImageMapTexture(Params params, const TextureFactoryContext& context)
-      : mapping_(params.mapping, context), pyramid_(loadPyramid<T>(params, context.where)) {}
+      : mapping_(params.mapping, context),
+        files_(context.files),
+        pyramid_(pyramidOf<T>(params, *files_, context.where)) {}
 
   T evaluate(const TextureContext& at) const override {
     const TexturePoint2 q = mapping_(at);
@@ -71,7 +85,8 @@ class ImageMapTexture final : public Texture<T> {
 
  private:
   Mapping2D mapping_;
-  MipMap<T> pyramid_;
+  FileCacheOf files_;
+  const MipMap<T>& pyramid_;
 };
 
 constexpr const char* kSummary = "filtered image from a file";

@@ -53,6 +53,7 @@ Json frameJson(const FrameReport& frame) {
                      {"write", frame.seconds.write}};
   json["peak memory"] = frame.peakMemory;
   json["accelerator memory"] = frame.acceleratorMemory;
+  json["accelerator peak memory"] = frame.acceleratorPeak;
   Json& counters = json["counters"] = Json::object();
   forEachCounter(frame.stats, [&](std::string_view group, std::string_view name, std::uint64_t n) {
     counters[fmt::format("{}/{}", group, name)] = n;

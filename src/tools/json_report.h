@@ -29,6 +29,7 @@ struct FrameReport {
   PhaseTimes seconds;
   std::uint64_t peakMemory = 0;         ///< of the whole process so far [bytes]
   std::uint64_t acceleratorMemory = 0;  ///< of Embree's structures, without the meshes [bytes]
+  std::uint64_t acceleratorPeak = 0;    ///< the most that they took while they were built [bytes]
   Stats stats;
   std::vector<RenderJob::UsedPlugin> plugins;
   std::vector<std::string> plan;  ///< what was built and what was skipped, and why

@@ -13,13 +13,15 @@ constexpr double kSmallFalloff = 5;
 
 }  // namespace
 
-EquiangularSampler::EquiangularSampler(const Ray& ray, Interval range, const Vec3& point)
+EquiangularSampler::EquiangularSampler(const Ray& ray, Interval range, const Vec3& point,
+                                       float extent)
     : range_(range) {
   const Vec3d toPoint = Vec3d(point) - Vec3d(ray.o), d(ray.d);
   foot_ = dot(toPoint, d) / dot(d, d);
   const double a = double{range.t0} - foot_, b = double{range.t1} - foot_;
   const double reach = std::max(std::abs(a), std::abs(b));
-  distance_ = std::max(length(toPoint - d * foot_), 1e-6 * reach);
+  const Vec3d across = toPoint - d * foot_;
+  distance_ = std::max(std::sqrt(dot(across, across) + 0.25 * sqr(double{extent})), 1e-6 * reach);
   // tan(theta_b - theta_a) without the difference of two nearly equal angles.
   angle_ = std::atan2(distance_ * (b - a), distance_ * distance_ + a * b);
 }
@@ -82,9 +84,6 @@ std::optional<DistanceSample> TransmittanceSampler::sample(float u) const {
 }
 
 std::optional<float> TransmittanceSampler::distance(float u) const {
-  if (medium_.isSmooth() && !medium_.isGrey())
-    return std::clamp(static_cast<float>(smoothDistance(double{u})), range_.t0, range_.t1);
-
   // The channel by u, the distance in it by what is left of u.
   double rest = u;
   int channel = 0;
@@ -98,23 +97,6 @@ std::optional<float> TransmittanceSampler::distance(float u) const {
   return std::clamp(*t, range_.t0, range_.t1);
 }
 
-double TransmittanceSampler::smoothDistance(double u) const {
-  // The mean of the channels' distribution functions, which has the density pdf().
-  const double length = double{range_.length()};
-  const auto mean = [&](double s) {
-    const Vec3d depth = medium_.depthAt(double{range_.t0} + s) - before_;
-    double sum = 0;
-    for (int c = 0; c < 3; ++c)
-      if (weights_[c] > 0) sum += weights_[c] * std::expm1(-depth[c]) / std::expm1(-inside_[c]);
-    return sum;
-  };
-  const auto density = [&](double s) {
-    const double t = double{range_.t0} + s;
-    return double{pdf(medium_.at(static_cast<float>(t)).sigma_t(), medium_.depthAt(t))};
-  };
-  return double{range_.t0} + invertMonotone(mean, density, length, u, 1.0);
-}
-
 float TransmittanceSampler::pdf(const Rgb& sigma_t, const Vec3d& depth) const {
   double sum = 0;
   for (int c = 0; c < 3; ++c) {
@@ -123,6 +105,19 @@ float TransmittanceSampler::pdf(const Rgb& sigma_t, const Vec3d& depth) const {
            -std::expm1(-inside_[c]);
   }
   return static_cast<float>(sum);
+}
+
+FalloffSampler::FalloffSampler(Interval range, double growth)
+    : range_(range), growth_(growth > 1e-4 ? std::min(growth, 1e8) : 1e-4) {}
+
+float FalloffSampler::distance(float u) const {
+  const double s = double{u} * double{range_.length()} / (double{u} + growth_ * (1 - double{u}));
+  return std::clamp(static_cast<float>(double{range_.t0} + s), range_.t0, range_.t1);
+}
+
+float FalloffSampler::pdf(float t) const {
+  const double length = double{range_.length()}, s = double{t} - double{range_.t0};
+  return static_cast<float>(growth_ / (length * sqr(1 + (growth_ - 1) * (s / length))));
 }
 
 RulePoint evenRule(int i, int n, float offset, Ends ends) {
@@ -135,25 +130,36 @@ RulePoint evenRule(int i, int n, float offset, Ends ends) {
 }
 
 ScatteringDistanceSampler::ScatteringDistanceSampler(const MediumAlongRay& medium, Interval range,
-                                                     const std::optional<Vec3>& lightPosition)
+                                                     const std::optional<Vec3>& lightPosition,
+                                                     float lightExtent)
     : medium_(medium),
       range_{std::max(range.t0, medium.occupied().t0), std::min(range.t1, medium.occupied().t1)},
       transmittance_(medium, range_) {
-  if (!isEmpty()) chooseTechniques(lightPosition);
+  if (!isEmpty()) chooseTechniques(lightPosition, lightExtent);
 }
 
-void ScatteringDistanceSampler::chooseTechniques(const std::optional<Vec3>& lightPosition) {
-  if (lightPosition) equiangular_.emplace(medium_.ray(), range_, *lightPosition);
+void ScatteringDistanceSampler::chooseTechniques(const std::optional<Vec3>& lightPosition,
+                                                 float lightExtent) {
+  if (lightPosition) equiangular_.emplace(medium_.ray(), range_, *lightPosition, lightExtent);
 
   // How much sigma_s Tr varies from end to end, in the worst channel.
   double variation = 1;
   if (medium_.isSmooth()) {
     const Rgb first = medium_.at(range_.t0).sigma_s, last = medium_.at(range_.t1).sigma_s;
+    double sumFirst = 0, sumLast = 0, sumDepth = 0;
     for (int c = 0; c < 3; ++c) {
       if (first[c] == 0 && last[c] == 0) continue;
-      const double r = double{last[c]} * std::exp(-transmittance_.depth()[c]) / double{first[c]};
+      const double attenuated = double{last[c]} * std::exp(-transmittance_.depth()[c]);
+      const double r = attenuated / double{first[c]};
       variation = std::max({variation, r, 1 / r});
+      sumFirst += double{first[c]};
+      sumDepth += double{first[c]} * transmittance_.depth()[c];
+      sumLast += attenuated;
     }
+    // The falloff's slope at the start or its ratio of the ends, whatever makes it flatter.
+    if (!medium_.isGrey())
+      falloff_.emplace(range_,
+                       std::min(1 + 0.5 * sumDepth / sumFirst, std::sqrt(sumFirst / sumLast)));
   }
   const bool anglesDo = medium_.isSmooth() && variation <= kSmallAttenuation;
   const bool collisionsDo = !equiangular_ || equiangular_->variation() <= kSmallFalloff;
@@ -167,6 +173,8 @@ std::optional<ScatteringDistanceSampler::Sample> ScatteringDistanceSampler::samp
     const double t = equiangular_ ? equiangular_->at(double{u} * equiangular_->angle())
                                   : double{range_.t0} + double{u} * double{range_.length()};
     s.t = std::clamp(static_cast<float>(t), range_.t0, range_.t1);
+  } else if (falloff_) {
+    s.t = falloff_->distance(u);
   } else {
     const auto t = transmittance_.distance(u);
     if (!t) return std::nullopt;
@@ -191,7 +199,8 @@ float ScatteringDistanceSampler::pdf(float t, const Rgb& sigma_t, const Vec3d& d
   float sum = 0;
   if (angleShare_ > 0)
     sum += angleShare_ * (equiangular_ ? equiangular_->pdf(t) : 1 / range_.length());
-  if (angleShare_ < 1) sum += (1 - angleShare_) * transmittance_.pdf(sigma_t, depth);
+  if (angleShare_ < 1)
+    sum += (1 - angleShare_) * (falloff_ ? falloff_->pdf(t) : transmittance_.pdf(sigma_t, depth));
   return sum;
 }
 

@@ -14,11 +14,12 @@ struct DistanceSample {
 /// Density proportional to 1 / distance^2 from a point: uniform in the angle under which the point
 /// sees the ray. With x = t - delta the offset from the point's foot on the ray and D its distance
 ///   pdf = D / ((theta_b - theta_a) (D^2 + x^2)),  theta = atan(x / D).
-/// D is raised to 1e-6 of the farthest |x|, which keeps rays through the point proper densities.
-/// Source: Kulla, Fajardo 2012, rearranged so that far points lose no digits.
+/// D is raised to 1e-6 of the farthest |x|, which keeps rays through the point proper densities,
+/// and for a light of some extent to sqrt(D^2 + extent^2 / 4), about what a disk of that radius
+/// gives. Source: Kulla, Fajardo 2012, rearranged so that far points lose no digits.
 class EquiangularSampler {
  public:
-  EquiangularSampler(const Ray& ray, Interval range, const Vec3& point);
+  EquiangularSampler(const Ray& ray, Interval range, const Vec3& point, float extent = 0);
   DistanceSample sample(float u) const;
   float pdf(float t) const;
   /// Angle from the start of the range to t; from 0 to angle().
@@ -46,7 +47,7 @@ class EquiangularSampler {
 /// depth. Chromatic media: one channel is drawn, and the density is the mean over channels,
 ///   pdf = sum_c w_c sigma_t,c Tr_c / (1 - Tr_c(range)),  w_c ~ max albedo_c (1 - Tr_c(range)),
 /// which bounds the weight of scattering, sigma_s,c Tr_c / pdf <= sum_c max albedo_c <= 3. Grey
-/// media take one channel for all, and smooth ones invert the mean, so that t grows with u.
+/// media take one channel for all, so that t grows with u.
 class TransmittanceSampler {
  public:
   /// The medium outlives the sampler; range lies in its range.
@@ -64,11 +65,26 @@ class TransmittanceSampler {
  private:
   const MediumAlongRay& medium_;
   Interval range_;
-  double smoothDistance(double u) const;
 
   Vec3d before_;       // optical depth up to the range
   Vec3d inside_;       // optical depth of the range
   double weights_[3];  // of the channels; sum 1, or all 0
+};
+
+/// Density proportional to (1 + b s)^-2 along s = t - t0, like a mean of exponentials of different
+/// rates, which has no inverse in closed form:
+///   s = u L / (1 + b L (1 - u)),  pdf = (1 + b L) / (L (1 + b s)^2),  L the length of the range
+/// The ends' densities have the ratio (1 + b L)^2.
+class FalloffSampler {
+ public:
+  /// growth = 1 + b L, kept between 1e-4 and 1e8.
+  FalloffSampler(Interval range, double growth);
+  float distance(float u) const;
+  float pdf(float t) const;
+
+ private:
+  Interval range_;
+  double growth_;
 };
 
 /// One point of a rule for integrals over [0, 1].
@@ -92,7 +108,8 @@ RulePoint evenRule(int i, int n, float offset, Ends ends);
 
 /// Distances for the light of one source, by up to two techniques:
 /// - by angle: equiangular from the light, even in length for lights without position;
-/// - by collisions: transmittance sampling.
+/// - by collisions: transmittance sampling; in coloured smooth media the falloff of the mean of
+///   sigma_s Tr over channels, so that t grows with u.
 /// By angle alone where the medium is smooth and sigma_s Tr varies by no more than a factor of 50
 /// along the ray, else by collisions alone where 1/distance^2 varies by no more than 5, else both
 /// with equal shares c = 1/2. The density is
@@ -101,7 +118,7 @@ RulePoint evenRule(int i, int n, float offset, Ends ends);
 class ScatteringDistanceSampler {
  public:
   ScatteringDistanceSampler(const MediumAlongRay& medium, Interval range,
-                            const std::optional<Vec3>& lightPosition);
+                            const std::optional<Vec3>& lightPosition, float lightExtent = 0);
   bool isEmpty() const { return transmittance_.isEmpty(); }
 
   enum class Technique { Angle, Collisions };
@@ -113,20 +130,21 @@ class ScatteringDistanceSampler {
     MediumCoefficients medium;  ///< at t
     Rgb Tr;                     ///< from the start of the medium's range to t
   };
-  /// Of one technique; t grows with u (but for changes of channel in coloured media).
+  /// Of one technique; t grows with u (but for changes of channel in coloured grids).
   std::optional<Sample> sample(Technique technique, float u) const;
   /// Of the mixture.
   std::optional<Sample> sample(float u) const;
   float pdf(float t) const { return pdf(t, medium_.at(t).sigma_t(), medium_.depthAt(t)); }
 
  private:
-  void chooseTechniques(const std::optional<Vec3>& lightPosition);
+  void chooseTechniques(const std::optional<Vec3>& lightPosition, float lightExtent);
   float pdf(float t, const Rgb& sigma_t, const Vec3d& depth) const;
 
   const MediumAlongRay& medium_;
   Interval range_;
   TransmittanceSampler transmittance_;
   std::optional<EquiangularSampler> equiangular_;
+  std::optional<FalloffSampler> falloff_;  // instead of transmittance_
   float angleShare_ = 1;
 };
 

@@ -34,8 +34,10 @@ void LightChoice::along(const Ray& ray, Interval range, Choices& choices) const 
     const float importance = e.light->importance(boundsOf(ray, part));
     if (!(importance > 0)) continue;
     const auto position = e.light->position();
-    float weight = position ? e.intensity * EquiangularSampler(ray, part, *position).integral()
-                            : importance * part.length();
+    float weight =
+        position
+            ? e.intensity * EquiangularSampler(ray, part, *position, e.light->extent()).integral()
+            : importance * part.length();
     // Unbounded estimates are worth no more than a large number.
     weight = std::isfinite(weight) ? weight : 1e30f;
     choices.chosen_.push_back({e.light, part, weight});

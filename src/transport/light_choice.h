@@ -17,6 +17,7 @@ class LightChoice {
  public:
   explicit LightChoice(std::span<const std::unique_ptr<Light>> lights);
   bool isEmpty() const { return lights_.empty(); }
+  std::size_t size() const { return lights_.size(); }
 
   /// The lights that can reach one stretch of a ray.
   class Choices {

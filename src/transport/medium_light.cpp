@@ -37,10 +37,37 @@ Arrival arrival(const Scene& scene, const MediumVertex& vertex, const Light& lig
   return a;
 }
 
-/// Probability of phase sampling at a vertex. A light that looks smaller than the lobe is sampled
-/// better by itself.
+/// The unit vector w, turned towards another one by an angle below pi with this 1 - cos, no
+/// further.
+Vec3 turned(const Vec3& w, const Vec3& to, float oneMinusCos) {
+  const float cosine = 1 - oneMinusCos, c = dot(w, to);
+  if (c >= cosine) return to;
+  const float sine = std::sqrt(oneMinusCos * (1 + cosine));
+  const float between = std::sqrt(std::max(1e-12f, 1 - c * c));
+  return w * (cosine - c * sine / between) + to * (sine / between);
+}
+
+/// Probability of phase sampling where the light lies in a ball. Phase functions peak forwards or
+/// backwards, so the largest value towards the ball lies at the border nearest to one of the two.
+float phaseShareOfBall(const Volume& volume, const MediumVertex& vertex, const Ball& ball) {
+  constexpr float kLeast = 0.05f, kMost = 0.5f;
+  const float oneMinusCos = oneMinusCosSeen(vertex.p, ball);
+  if (!(oneMinusCos < 1)) return kMost;
+  const Vec3 middle = normalize(ball.center - vertex.p);
+  const auto phase = [&](const Vec3& to) {
+    return volume.phase(vertex.p, vertex.wo, turned(middle, to, oneMinusCos)).maxChannel();
+  };
+  const float byPhase = std::max(phase(-vertex.wo), phase(vertex.wo));
+  const float share = byPhase / (byPhase + 1 / (2 * kPi * oneMinusCos));
+  return share < kLeast ? 0 : std::min(share, kMost);
+}
+
+/// Probability of phase sampling at a vertex. A light that looks smaller than the lobe, or lies
+/// beside it, is sampled better by itself.
 float phaseShare(const Volume& volume, const MediumVertex& vertex, const Light& light) {
   if (!wantsPhaseSampling(volume, light)) return 0;
+  if (const auto position = light.position())
+    return phaseShareOfBall(volume, vertex, {*position, light.extent()});
   const auto middle = light.sampleLi(vertex.p, Vec2(0.5f));
   if (!middle || !(middle->pdf > 0)) return 0.5f;
   const float peak = volume.phasePeak();

@@ -28,9 +28,12 @@ bool wantsPhaseSampling(const Volume& volume, const Light& light);
 ///   Int_S2 p(wo, wi) L_light(wi) V Tr dwi                              [W m^-2 sr^-1]
 /// Tr is exact, up to the light. Surfaces of any kind block, glass too (PBRT-v2). For lights that
 /// are no delta distributions in media with a peaked phase function, a share q of the samples
-/// follows the phase function, more the wider the light looks from there,
-///   q = clamp(peak / (peak + pdf_light(middle)), 0.05, 0.5),
-/// and the density is that of the mixture (balance heuristic).
+/// follows the phase function, more the wider the light looks from there and the nearer it lies to
+/// the lobe: with p the phase function's largest value towards a ball that holds the light, seen
+/// under the solid angle Omega,
+///   q = min(p / (p + 1 / Omega), 0.5), 0 below 0.05;    0.5 where Omega > 2 pi
+/// infinite lights: q = clamp(peak / (peak + pdf_light(middle)), 0.05, 0.5). The density is that of
+/// the mixture (balance heuristic).
 Rgb estimateInscattering(const Scene& scene, const MediumVertex& vertex, const Light& light,
                          const MediumLightUniforms& u, Stats& stats);
 

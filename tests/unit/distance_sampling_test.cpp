@@ -95,6 +95,21 @@ TEST(TransmittanceSampling, DensityIntegratesToOneInEveryPartOfTheRay) {
     }
 }
 
+TEST(Falloff, DensityIntegratesToOneAndIsThatOfTheSamples) {
+  const Interval range{2, 5};
+  for (const double growth : {1e-3, .2, 1., 3., 500.}) {
+    const FalloffSampler sampler(range, growth);
+    // The integral of the density up to a sample is its random number: F(s) = s (1+bL) / (L
+    // (1+bs)).
+    for (int i = 0; i < 100; ++i) {
+      const float u = (static_cast<float>(i) + .5f) / 100, t = sampler.distance(u);
+      const double below = test::integrate(
+          [&](double x) { return double{sampler.pdf(static_cast<float>(x))}; }, 2, t, 4000);
+      EXPECT_NEAR(below, u, 1e-3) << growth;  // t is rounded to float where the density is 500 / L
+    }
+  }
+}
+
 TEST(DistanceSampling, SamplesAreDistributedAsTheDensity) {
   // Chi-square over 32 cells equal in t: 0.001 quantile of 31 degrees of freedom is 61.1; Sidak for
   // the cases about 80. Cells with fewer than 20 expected are merged.

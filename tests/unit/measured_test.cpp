@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "core/file_cache.h"
 #include "core/rng.h"
 #include "core/spectrum.h"
 #include "support/bsdf_checks.h"
@@ -26,13 +27,15 @@ void write(const std::string& path, std::string_view bytes) {
   std::ofstream(path, std::ios::binary) << bytes;
 }
 
-std::unique_ptr<Material> load(const std::string& path) {
-  return make<Material>("measured", {string("filename", path)});
+std::unique_ptr<Material> load(const std::string& path, FileCache* files = nullptr) {
+  Material::FactoryContext context;
+  context.files = files;
+  return make<Material>("measured", {string("filename", path)}, context);
 }
 
-std::string errorOf(const std::string& path) {
+std::string errorOf(const std::string& path, FileCache* files = nullptr) {
   try {
-    load(path);
+    load(path, files);
   } catch (const SceneError& e) {
     return e.what();
   }
@@ -144,9 +147,11 @@ TEST_F(MerlTest, SamplingFollowsItsPdfAndTheTable) {
 TEST_F(MerlTest, SharesTheTableOfAFile) {
   const std::string path = tempPath("shared.merl");
   write(path, *bytes_);
-  const std::unique_ptr<Material> first = load(path);
+  FileCache files;
+  const std::unique_ptr<Material> first = load(path, &files);
   std::filesystem::remove(path);
-  EXPECT_EQ(errorOf(path), "no error");  // the file is not read again
+  EXPECT_EQ(errorOf(path, &files), "no error");  // the file is not read again
+  EXPECT_THAT(errorOf(path), HasSubstr("no such file"));
 }
 
 TEST_F(MerlTest, RefusesWhatIsNoMerlFile) {

@@ -177,6 +177,31 @@ TEST(Sampler, LowDiscrepancyIsANetInEveryDimension) {
   }
 }
 
+/// Sixteen shifts of a pixel are one random number plus multiples of 1/16, on the circle.
+TEST(Sampler, ShiftsAreEvenlySpaced) {
+  for (const char* name : {"lowdiscrepancy", "halton"}) {
+    const auto stream = makeSampler(name, {integers("pixelsamples", {16})})->makePixelSampler(3);
+    std::set<float> offsets;
+    for (int x = 0; x < 8; ++x) {
+      stream->startPixel({x, 1});
+      std::set<int> strata;
+      float offset = -1;
+      for (int i = 0; i < 16; ++i) {
+        stream->startSample(i);
+        stream->get2D();
+        const float scaled = 16 * stream->getShift();
+        const float rest = scaled - std::floor(scaled);
+        if (i == 0) offset = rest;
+        EXPECT_NEAR(rest, offset, 16 * 0x1p-23) << name;  // values are rounded to 24 bits
+        strata.insert(static_cast<int>(scaled));
+      }
+      EXPECT_EQ(strata.size(), 16u) << name;
+      offsets.insert(offset);
+    }
+    EXPECT_EQ(offsets.size(), 8u) << name;
+  }
+}
+
 TEST(Sampler, ArraysAreStratifiedInThemselvesAndOverThePixel) {
   for (const char* name : {"lowdiscrepancy", "halton", "bestcandidate", "adaptive", "stratified"}) {
     const auto sampler = makeSampler(name);

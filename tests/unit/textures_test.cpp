@@ -5,6 +5,7 @@
 
 #include <filesystem>
 
+#include "core/file_cache.h"
 #include "core/io/image.h"
 #include "core/noise.h"
 #include "support/make_plugin.h"
@@ -310,6 +311,30 @@ TEST_F(ImageMap, RowOrderScaleAndGamma) {
   const auto grey = makeFloat(
       "imagemap", {string("filename", path("a.exr")), floats("scale", {2}), floats("gamma", {3})});
   EXPECT_FLOAT_EQ(grey->evaluate(low), std::pow(2 * Rgb(.4f, .5f, .6f).luminance(), 3.f));
+}
+
+TEST_F(ImageMap, TexturesOfOneFileShareIt) {
+  RgbImage image(1, 1);
+  image.pixels = {Rgb(.25f)};
+  writeImage(path("one.exr"), image);
+  FileCache files;
+  TextureFactoryContext context;
+  context.files = &files;
+  const auto textureOf = [&](float scale) {
+    return makeRgb("imagemap", {string("filename", path("one.exr")), floats("scale", {scale})},
+                   context);
+  };
+  const auto first = textureOf(1);
+  EXPECT_EQ(files.size(), 2u);  // the image and its pyramid
+  std::filesystem::remove(path("one.exr"));
+  const auto second = textureOf(1), scaled = textureOf(2);  // the file is not read again
+  EXPECT_EQ(files.size(), 3u);
+  files.drop<RgbImage>();
+  EXPECT_EQ(files.size(), 2u);
+  EXPECT_EQ(first->evaluate({}), Rgb(.25f));
+  EXPECT_EQ(second->evaluate({}), Rgb(.25f));
+  EXPECT_EQ(scaled->evaluate({}), Rgb(.5f));
+  EXPECT_THROW(textureOf(3), SceneError);
 }
 
 TEST_F(ImageMap, FiltersOverTheFootprint) {

@@ -14,8 +14,9 @@ constexpr int kMaxMixed = 64;  // materials that one mix may reach through other
 
 }  // namespace
 
-MaterialStore::MaterialStore(TextureStore& textures, const std::string& searchDirectory, Log& log)
-    : textures_(textures), searchDirectory_(searchDirectory), log_(log) {
+MaterialStore::MaterialStore(TextureStore& textures, const std::string& searchDirectory,
+                             FileCache& files, Log& log)
+    : textures_(textures), searchDirectory_(searchDirectory), files_(files), log_(log) {
   Definition standard;
   standard.type = "matte";
   directives_.push_back(std::move(standard));
@@ -135,7 +136,7 @@ MaterialStore::ForShape MaterialStore::forShape(const std::string& name) {
 const Material* MaterialStore::make(Definition& definition, std::vector<ParamSet*> sets) {
   const SourceLocation where = definition.params.where();
   ParamReader reader(std::move(sets), definition.type, searchDirectory_, &textures_, log_);
-  made_.push_back(definition.entry->create(reader, {this, where, &log_}, nullptr));
+  made_.push_back(definition.entry->create(reader, {this, where, &log_, &files_}, nullptr));
   return made_.back().get();
 }
 

@@ -19,7 +19,8 @@ namespace brume {
 class MaterialStore final : public Material::FactoryContext::Lookup {
  public:
   /// Directive 0 is the default, matte.
-  MaterialStore(TextureStore& textures, const std::string& searchDirectory, Log& log);
+  MaterialStore(TextureStore& textures, const std::string& searchDirectory, FileCache& files,
+                Log& log);
 
   /// A Material directive; returns its number.
   std::size_t add(PluginDirective plugin);
@@ -72,6 +73,7 @@ class MaterialStore final : public Material::FactoryContext::Lookup {
 
   TextureStore& textures_;
   std::string searchDirectory_;
+  FileCache& files_;
   Log& log_;
   std::deque<Definition> directives_;
   std::deque<Definition> named_;

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "core/io/image.h"
 #include "core/io/source_file.h"
 #include "core/parse/world_state.h"
 
@@ -91,6 +92,7 @@ SceneDescription SceneBuilder::endWorld(const SourceLocation& where) {
   frame.world.materials = world_->materials.take();
   frame.world.groups.push_back(std::move(world_->scene));
   dropUnusedGroups(frame.world.groups);
+  frame.world.files->drop<RgbImage>();  // pyramids have been made of them
   world_.reset();
   transform_.reset();
   transform_.forgetSystems();

@@ -120,7 +120,7 @@ const Texture<T>* TextureStore::make(NameSpace<T>& space, std::size_t index) {
     ParamSet& params = definition.plugin.params;
     ParamReader reader({&params}, definition.plugin.name, searchDirectory_, this, log_);
     std::unique_ptr<Texture<T>> texture = definition.entry->create(
-        reader, {definition.textureToScene, params.where(), &log_}, nullptr);
+        reader, {definition.textureToScene, params.where(), &log_, &files_}, nullptr);
     definition.made = texture.get();
     space.made.push_back(std::move(texture));
   }

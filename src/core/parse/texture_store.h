@@ -31,8 +31,8 @@ struct TextureBindings {
 /// asks for it.
 class TextureStore final : public TextureLookup {
  public:
-  TextureStore(const std::string& searchDirectory, Log& log)
-      : searchDirectory_(searchDirectory), log_(log) {}
+  TextureStore(const std::string& searchDirectory, FileCache& files, Log& log)
+      : searchDirectory_(searchDirectory), files_(files), log_(log) {}
 
   struct Directive {
     std::string name;        ///< of the texture
@@ -106,6 +106,7 @@ class TextureStore final : public TextureLookup {
   const Texture<T>* make(NameSpace<T>& space, std::size_t index);
 
   std::string searchDirectory_;
+  FileCache& files_;
   Log& log_;
   NameSpace<float> floats_;
   NameSpace<Rgb> rgbs_;

@@ -48,10 +48,18 @@ struct SceneBuilder::ShapePlace {
 
 struct SceneBuilder::World {
   World(const std::string& searchDirectory, Log& log)
-      : textures(searchDirectory, log), materials(textures, searchDirectory, log) {
+      : textures(searchDirectory, *contents.files, log),
+        materials(textures, searchDirectory, *contents.files, log) {
     contents.groups.clear();  // the scene becomes the last one
   }
 
+  static Scene::Contents withFileCache() {
+    Scene::Contents contents;
+    contents.files = std::make_unique<FileCache>();
+    return contents;
+  }
+
+  Scene::Contents contents = withFileCache();
   TextureStore textures;
   MaterialStore materials;
   GraphicsState graphics;
@@ -61,7 +69,6 @@ struct SceneBuilder::World {
   ObjectDefinition* openObject = nullptr;
   std::size_t movingInstances = 0;  // that instances of objects have added
   PrimitiveGroup scene;
-  Scene::Contents contents;
 };
 
 }  // namespace brume

@@ -33,7 +33,7 @@ class Single final : public VolumeIntegrator {
  public:
   struct Params {
     std::optional<float> stepsize;
-    int samples = 16;
+    int samples = 8;
     Method method = Method::Mis;
     void visit(ParamVisitor& v) {
       v(stepsize, "stepsize", kPositive, Unit::Length,
@@ -101,25 +101,19 @@ class Single final : public VolumeIntegrator {
 
   Rgb scattered(const MediumAlongRay& medium, RenderContext& context) const {
     thread_local LightChoice::Choices choices;
-    thread_local std::vector<float> uTechnique, uLobe;
-    thread_local std::vector<Vec2> uPoint, uPhase;
+    thread_local std::vector<Vec2> uPoint;
     const auto n = static_cast<std::size_t>(params_.samples);
-    const auto draw1D = [&](std::vector<float>& values) {
-      values.resize(n);
-      context.samples.get1DArray(values);
-    };
-    const auto draw2D = [&](std::vector<Vec2>& values) {
-      values.resize(n);
-      context.samples.get2DArray(values);
-    };
     // The same number of dimensions is taken whatever the ray meets.
-    const float lightOffset = context.samples.get1D();
-    const float distanceOffset = context.samples.get1D();
-    if (usesPoints_) draw2D(uPoint);
+    const float distanceOffset = context.samples.getShift();
+    const float lightOffset = lights_.size() > 1 ? context.samples.get1D() : 0.f;
+    if (usesPoints_) {
+      uPoint.resize(n);
+      context.samples.get2DArray(uPoint);
+    }
+    Vec2 phaseStart{0}, choiceStart{0};
     if (samplesPhase_) {
-      draw1D(uTechnique);
-      draw1D(uLobe);
-      draw2D(uPhase);
+      phaseStart = context.samples.get2D();
+      choiceStart = context.samples.get2D();
     }
     if (medium.isEmpty()) return {};
 
@@ -137,9 +131,13 @@ class Single final : public VolumeIntegrator {
         MediumLightUniforms u;
         if (usesPoints_) u.light = uPoint[k];
         if (samplesPhase_) {
-          u.technique = uTechnique[k];
-          u.lobe = uLobe[k];
-          u.phase = uPhase[k];
+          // Additive recurrences: with the golden ratio, the root of 2, and in the plane with the
+          // powers of the plastic number (Roberts 2018).
+          const auto i1 = static_cast<float>(k);
+          u.technique = fraction(choiceStart.x + i1 * .618034f);
+          u.lobe = fraction(choiceStart.y + i1 * .414214f);
+          u.phase = {fraction(phaseStart.x + i1 * .754878f),
+                     fraction(phaseStart.y + i1 * .569840f)};
         }
         return u;
       };
@@ -157,7 +155,8 @@ class Single final : public VolumeIntegrator {
   Rgb lightOf(const LightChoice::Choices::Chosen& chosen, const MediumAlongRay& medium, int n,
               float offset, Stats& stats, Uniforms&& uniforms) const {
     using Technique = ScatteringDistanceSampler::Technique;
-    const ScatteringDistanceSampler distances(medium, chosen.illuminated, chosen.light->position());
+    const ScatteringDistanceSampler distances(medium, chosen.illuminated, chosen.light->position(),
+                                              chosen.light->extent());
     if (distances.isEmpty()) return {};
     const auto gather = [&](const std::optional<ScatteringDistanceSampler::Sample>& at, int k) {
       if (!at || at->medium.sigma_s.isBlack()) return Rgb();
@@ -191,6 +190,7 @@ class Single final : public VolumeIntegrator {
     return sum;
   }
 
+  static float fraction(float x) { return x - std::floor(x); }
   /// Number i of n evenly spaced ones with one offset.
   static float spaced(std::size_t i, std::size_t n, float offset) {
     return std::min((static_cast<float>(i) + offset) / static_cast<float>(n), kOneMinusEpsilon);
