@@ -19,8 +19,6 @@ struct Unbuilt {
 constexpr std::string_view kUsePath =
     "use SurfaceIntegrator \"path\" (or --integrator path), which computes the same light";
 constexpr Unbuilt kUnbuiltIntegrators[] = {
-    {"photonmap", kUsePath},
-    {"exphotonmap", kUsePath},
     {"igi", kUsePath},
     {"irradiancecache", kUsePath},
     {"dipolesubsurface",

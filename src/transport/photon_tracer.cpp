@@ -89,7 +89,7 @@ PhotonTracer::PhotonTracer(const Scene& scene, const PhotonRequest& request)
   if (volume && !(request.wanted & kVolumePhotons).isEmpty()) media_ = ballAround(volume->bounds());
   std::vector<float> weights;
   for (const auto& light : scene.lights()) addLight(*light, weights);
-  if (volume && volume->isEmissive()) {
+  if (volume && volume->isEmissive() && !request.passiveMedia) {
     sources_.push_back({});
     weights.push_back(4 * kPi * lightWeight(volume->totalEmission()));
   }
@@ -218,8 +218,8 @@ void PhotonTracer::tracePath(PathRandom random, PhotonClasses wanted, std::vecto
       const PhotonClass c = volumeClass(path.stage);
       if (wanted.contains(c))
         photons.push_back(Photon::inMedium(path.ray(*flight.t), -path.ray.d, path.power, c));
-      if (!mayScatter || !scatterInMedium(path, *flight.t, albedoOf(medium.at(*flight.t)), random))
-        return;
+      if (!mayScatter || request_.passiveMedia) return;
+      if (!scatterInMedium(path, *flight.t, albedoOf(medium.at(*flight.t)), random)) return;
     } else if (hit) {
       if (!mayScatter) wanted = wanted & kSurfacePhotons;
       if (!scatterAtSurface(path, *hit, wanted, photons, random) || !mayScatter) return;

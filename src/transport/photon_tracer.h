@@ -19,6 +19,8 @@ struct PhotonRequest {
   PhotonClasses wanted{};
   Interval shutter{0, 1};         ///< times of the paths
   std::optional<int> maxDepth{};  ///< most scatterings of a path; unlimited when not given
+  /// Media only attenuate: they emit nothing, and a path ends at its first collision.
+  bool passiveMedia = false;
 };
 
 /// Number of paths from which the photons of each class are taken, the first ones of the pass.

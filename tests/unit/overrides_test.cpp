@@ -67,7 +67,7 @@ TEST(Overrides, SurfaceIntegratorReplacesTheScenesGlobalOne) {
 TEST(Overrides, UnbuiltPluginsAreRefusedUnlessReplaced) {
   Log log(captured());
   for (const char* name : {"igi", "irradiancecache", "dipolesubsurface", "diffuseprt", "glossyprt",
-                           "useprobes", "photonmap", "exphotonmap"}) {
+                           "useprobes"}) {
     RenderOptions options;
     options.surfaceIntegrator.name = name;
     EXPECT_THAT(errorOf([&] { refuseUnbuilt(options, false, log); }),
