@@ -15,6 +15,7 @@
 #include "transport/beam_radiance.h"
 #include "transport/camera_beams.h"
 #include "transport/first_radius.h"
+#include "transport/photon_maps.h"
 #include "transport/photon_store.h"
 #include "transport/photon_tracer.h"
 #include "transport/radius_schedule.h"
@@ -92,7 +93,7 @@ class Pvpm final : public PassGlobalIntegrator {
   Pvpm(Params params, const FactoryContext& context)
       : params_(params),
         scene_(*context.scene),
-        wanted_(wantedPhotons()),
+        wanted_(showableClasses(scene_, {1, 1, !params.directvolume, {}})),
         paths_(scene_, {params.maxbounces, true, params.directvolume}) {}
 
   void prepare(PrepareContext& context) override {
@@ -109,7 +110,6 @@ class Pvpm final : public PassGlobalIntegrator {
                   const std::function<void(double share)>& onShare) override;
 
  private:
-  PhotonClasses wantedPhotons() const;
   void keepPhotons(const PrepareContext& context);
   void chooseRadii(const PassContext& context);
   std::optional<float> momentOf(const PassContext& context);
@@ -132,26 +132,6 @@ class Pvpm final : public PassGlobalIntegrator {
   std::vector<CountedRadius> countedRadii_;  // of each pixel, schedule "beam"
   std::vector<float> pixelRadii_;            // their present values
 };
-
-/// The classes that this scene can show.
-PhotonClasses Pvpm::wantedPhotons() const {
-  const SceneInventory inventory = takeInventory(scene_);
-  const bool hasSpecular = inventory.specularMaterials > 0;
-  bool hasDiffuse = false;
-  for (const auto& material : scene_.contents().materials)
-    hasDiffuse = hasDiffuse || material->hasNonSpecular();
-  PhotonClasses wanted;
-  if (inventory.mediaScatter) {
-    wanted = wanted | PhotonClass::VolumeMultiple;
-    if (hasSpecular) wanted = wanted | PhotonClass::VolumeCaustic;
-    if (!params_.directvolume) wanted = wanted | PhotonClass::VolumeUnscattered;
-  }
-  if (hasDiffuse && inventory.meshes + inventory.quadrics > 0) {
-    wanted = wanted | PhotonClass::SurfaceIndirect;
-    if (hasSpecular) wanted = wanted | PhotonClass::SurfaceCaustic;
-  }
-  return wanted;
-}
 
 void Pvpm::describe(Plan& plan) const {
   if ((wanted_ & kVolumePhotons).isEmpty())
