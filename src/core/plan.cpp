@@ -73,12 +73,11 @@ Plan planScene(const SceneInventory& found) {
                            counted(found.triangles, "triangle"), counted(found.quadrics, "quadric"),
                            counted(found.instances, "instance"), counted(found.groups, "object")));
   if (found.lights() == 0)
-    plan.skip("lights", "the scene has none that emits");
+    plan.skip("lights", "the scene has none that lights it");
   else
     plan.build("lights", fmt::format("{} without extent, {} on surfaces, {} around the scene",
                                      found.deltaLights, found.areaLights, found.infiniteLights));
-  if (found.blackLights > 0)
-    plan.skip(counted(found.blackLights, "black light"), "nothing is emitted, so none is sampled");
+  if (found.blackLights > 0) plan.skip(counted(found.blackLights, "light"), "emitting nothing");
   if (found.volumes == 0)
     plan.skip("media", "the scene has no Volume");
   else
@@ -90,6 +89,60 @@ Plan planScene(const SceneInventory& found) {
   else
     plan.build("ray footprints", counted(found.textures, "texture"));
   return plan;
+}
+
+namespace {
+
+/// Bounds of surfaces and media in render space; none when something moves.
+std::optional<Bounds3> stillBounds(const Scene::Contents& contents) {
+  Bounds3 bounds;
+  const auto extend = [&](const PrimitiveGroup& group, const Transform& groupToScene) {
+    for (const Primitive& primitive : group.primitives)
+      bounds.extend(groupToScene.bounds(primitive.shape->bounds()));
+  };
+  const PrimitiveGroup& scene = contents.groups.back();
+  extend(scene, Transform{});
+  for (const PrimitiveGroup::Instance& instance : scene.instances) {
+    if (instance.groupToParent.isAnimated()) return std::nullopt;
+    extend(contents.groups[instance.group], instance.groupToParent.start());
+  }
+  for (const auto& volume : contents.volumes) bounds.extend(volume->bounds());
+  return bounds;
+}
+
+void skipSome(Plan& plan, std::size_t n, std::string_view noun, const char* why) {
+  if (n > 0) plan.skip(counted(n, noun), why);
+}
+
+}  // namespace
+
+IdleParts dropIdle(Scene::Contents& contents) {
+  IdleParts idle;
+  idle.clearVolumes = std::erase_if(contents.volumes, [](const std::unique_ptr<Volume>& volume) {
+    return volume->majorant().isBlack() && !volume->isEmissive();
+  });
+  const std::optional<Bounds3> bounds = stillBounds(contents);
+  std::vector<std::unique_ptr<Light>> kept;
+  for (auto& light : contents.lights) {
+    const bool isUnreaching =
+        bounds && !bounds->isEmpty() && light->position() && light->importance(*bounds) == 0;
+    if (isUnreaching && !light->power().isBlack()) {
+      ++idle.unreachingLights;
+      contents.unsampledLights.push_back(std::move(light));
+    } else {
+      kept.push_back(std::move(light));
+    }
+  }
+  contents.lights = std::move(kept);
+  return idle;
+}
+
+void planIdle(const SceneDescription::Unused& unused, const IdleParts& idle, Plan& plan) {
+  skipSome(plan, unused.objects, "object", "defined and never instanced");
+  skipSome(plan, unused.materials, "material", "used by no surface");
+  skipSome(plan, unused.textures, "texture", "used by no surface, so not loaded");
+  skipSome(plan, idle.unreachingLights, "light", "shining past all surfaces and media");
+  skipSome(plan, idle.clearVolumes, "volume", "neither absorbing, scattering nor emitting");
 }
 
 }  // namespace brume

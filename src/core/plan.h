@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "core/parse/scene_description.h"
 #include "core/scene.h"
 
 namespace brume {
@@ -22,6 +23,15 @@ struct SceneInventory {
   std::size_t lights() const { return deltaLights + areaLights + infiniteLights; }
 };
 SceneInventory takeInventory(const Scene& scene);
+
+/// What a scene describes and no image of it can show.
+struct IdleParts {
+  std::size_t unreachingLights = 0;  ///< none of their light reaches a surface or a medium
+  std::size_t clearVolumes = 0;      ///< they neither absorb, scatter nor emit
+};
+/// Takes it out: volumes are dropped, lights become unsampled ones. Whether a light reaches the
+/// scene is asked of lights at a position only, and not when something moves.
+IdleParts dropIdle(Scene::Contents& contents);
 
 /// The decisions for one render, each made where it is used and written down here.
 struct Plan {
@@ -43,5 +53,7 @@ struct Plan {
 
 /// What follows from the scene alone: surfaces, lights, media, textures.
 Plan planScene(const SceneInventory& inventory);
+/// What the file holds in vain.
+void planIdle(const SceneDescription::Unused& unused, const IdleParts& idle, Plan& plan);
 
 }  // namespace brume

@@ -90,8 +90,10 @@ RenderJob::Parts::Parts(SceneDescription description, const RenderSettings& sett
   options.cameraToWorld = cameraInRenderSpace(options, origin);
   makeImageSide(options, factory, log);
 
+  const IdleParts idle = dropIdle(description.world);
   scene = std::make_unique<Scene>(std::move(description.world));
   plan = planScene(takeInventory(*scene));
+  planIdle(description.unused, idle, plan);
   makeIntegrators(options, factory);
   checkLayers();
   for (const std::string& line : plan.lines()) log.verbose("plan: " + line);

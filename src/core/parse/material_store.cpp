@@ -133,8 +133,16 @@ MaterialStore::ForShape MaterialStore::forShape(const std::string& name) {
   return {material, {}};
 }
 
+std::size_t MaterialStore::unusedCount() const {
+  const auto isUnused = [](const Definition& d) { return !d.isUsed; };
+  return static_cast<std::size_t>(
+      std::count_if(directives_.begin() + 1, directives_.end(), isUnused) +
+      std::count_if(named_.begin(), named_.end(), isUnused));
+}
+
 const Material* MaterialStore::make(Definition& definition, std::vector<ParamSet*> sets) {
   const SourceLocation where = definition.params.where();
+  definition.isUsed = true;
   ParamReader reader(std::move(sets), definition.type, searchDirectory_, &textures_, log_);
   made_.push_back(definition.entry->create(reader, {this, where, &log_, &files_}, nullptr));
   return made_.back().get();

@@ -43,6 +43,8 @@ class MaterialStore final : public Material::FactoryContext::Lookup {
   const Material* findMaterial(const std::string& name) override;
   std::vector<std::string> materialNames() const override { return names_.names(); }
 
+  /// Directives and named materials that no surface has asked for; the default does not count.
+  std::size_t unusedCount() const;
   std::vector<std::unique_ptr<Material>> take() { return std::move(made_); }
 
  private:
@@ -61,6 +63,7 @@ class MaterialStore final : public Material::FactoryContext::Lookup {
     Bindings bindings = {};                    // named: where defined; directive: where made
     int lobes = 1;                             // materials in the tree of mixes
     const Material* made = nullptr;
+    bool isUsed = false;  // by a shape, perhaps with other parameters than `made`
   };
 
   Bindings bind(const ParamSet& set) const;

@@ -26,8 +26,9 @@ std::string_view nameOf(SceneBuilder::BlockKind kind) {
   return "";
 }
 
-/// Drops the groups that nothing instances: objects that the scene only defines.
-void dropUnusedGroups(std::vector<PrimitiveGroup>& groups) {
+/// Drops the groups that nothing instances, objects that the scene only defines; returns their
+/// number.
+std::size_t dropUnusedGroups(std::vector<PrimitiveGroup>& groups) {
   std::vector<PrimitiveGroup> used;
   std::vector<std::optional<std::size_t>> newIndex(groups.size());
   for (PrimitiveGroup::Instance& instance : groups.back().instances) {
@@ -39,7 +40,8 @@ void dropUnusedGroups(std::vector<PrimitiveGroup>& groups) {
     instance.group = *index;
   }
   used.push_back(std::move(groups.back()));
-  groups = std::move(used);
+  std::swap(groups, used);
+  return used.size() - groups.size();
 }
 
 }  // namespace
@@ -86,12 +88,14 @@ SceneDescription SceneBuilder::endWorld(const SourceLocation& where) {
     throw SceneError(where, fmt::format("WorldEnd comes before {0}End ({0}Begin is at {1})",
                                         nameOf(open.kind), toString(open.where)));
   }
-  SceneDescription frame{options_, std::move(world_->contents)};
+  SceneDescription frame{options_, std::move(world_->contents), {}};
+  frame.unused.textures = world_->textures.unusedCount();
+  frame.unused.materials = world_->materials.unusedCount();
   frame.world.floatTextures = world_->textures.takeFloatTextures();
   frame.world.rgbTextures = world_->textures.takeRgbTextures();
   frame.world.materials = world_->materials.take();
   frame.world.groups.push_back(std::move(world_->scene));
-  dropUnusedGroups(frame.world.groups);
+  frame.unused.objects = dropUnusedGroups(frame.world.groups);
   frame.world.files->drop<RgbImage>();  // pyramids have been made of them
   world_.reset();
   transform_.reset();

@@ -41,6 +41,10 @@ struct RenderOptions {
 struct SceneDescription {
   RenderOptions options;
   Scene::Contents world;
+  /// What the file defines and nothing uses; it was not made (objects: not kept).
+  struct Unused {
+    std::size_t textures = 0, materials = 0, objects = 0;
+  } unused;
 };
 
 /// What is wanted from the parser beside the scene.

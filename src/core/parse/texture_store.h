@@ -76,6 +76,11 @@ class TextureStore final : public TextureLookup {
   const Texture<Rgb>* findRgbTexture(const std::string& name) override;
   std::vector<std::string> textureNames(bool isFloat) const override;
 
+  /// Textures that are defined and that nothing has asked for.
+  std::size_t unusedCount() const {
+    return floats_.definitions.size() - floats_.made.size() + rgbs_.definitions.size() -
+           rgbs_.made.size();
+  }
   std::vector<std::unique_ptr<Texture<float>>> takeFloatTextures();
   std::vector<std::unique_ptr<Texture<Rgb>>> takeRgbTextures();
 

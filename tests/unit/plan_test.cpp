@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a scene does not need is not done: the plan says so, and the counters of the skipped work
+// are zero.
+#include "core/plan.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "support/render_text.h"
+
+namespace brume {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
+const std::string kOptions = R"(
+Film "image" "integer xresolution" 16 "integer yresolution" 16
+Sampler "random" "integer pixelsamples" 4
+VolumeIntegrator "single"
+LookAt 0 0 -5  0 0 0  0 1 0
+Camera "perspective" "float fov" 40
+WorldBegin
+)";
+const std::string kBall = "Material \"matte\"\nShape \"sphere\"\n";
+const std::string kLamp = "LightSource \"point\" \"point from\" [0 4 -4] \"color I\" [9 9 9]\n";
+
+struct Rendered {
+  std::vector<std::string> plan;
+  RenderResult result;
+  std::uint64_t operator[](Stat stat) const { return result.stats[stat]; }
+};
+Rendered render(const std::string& world) {
+  Log log({Verbosity::Normal, false, true});
+  const auto job = makeJob(kOptions + world + "WorldEnd\n", {}, log);
+  const std::atomic<bool> stop{false};
+  Rendered rendered;
+  rendered.result = job->run(stop, {});
+  rendered.plan = job->plan();
+  EXPECT_TRUE(log.captured().empty()) << log.captured().front();
+  return rendered;
+}
+
+TEST(Plan, TexturesThatNoSurfaceUsesAreNotLoaded) {
+  // The image is not there: loading it would be an error.
+  const Rendered r =
+      render(kLamp +
+             "Texture \"t\" \"color\" \"imagemap\" \"string filename\" \"none.exr\"\n"
+             "MakeNamedMaterial \"m\" \"string type\" \"matte\" \"texture Kd\" \"t\"\n" +
+             kBall);
+  EXPECT_THAT(r.plan, Contains("skip  1 texture: used by no surface, so not loaded"));
+  EXPECT_THAT(r.plan, Contains("skip  1 material: used by no surface"));
+  EXPECT_THAT(r.plan, Contains(HasSubstr("skip  ray footprints")));
+}
+
+TEST(Plan, ObjectsThatAreNotInstancedAreNotBuilt) {
+  const Rendered r =
+      render(kLamp + kBall + "ObjectBegin \"o\"\nShape \"cylinder\"\nShape \"disk\"\nObjectEnd\n");
+  EXPECT_THAT(r.plan, Contains("skip  1 object: defined and never instanced"));
+  EXPECT_THAT(r.plan, Contains(HasSubstr("0 triangles, 1 quadric, 0 instances of 0 objects")));
+}
+
+TEST(Plan, BlackLightsAreNotSampled) {
+  const Rendered r = render("LightSource \"point\" \"color I\" [0 0 0]\n" + kBall);
+  EXPECT_THAT(r.plan, Contains("skip  1 light: emitting nothing"));
+  EXPECT_THAT(r.plan, Contains("skip  lights: the scene has none that lights it"));
+  EXPECT_EQ(r[Stat::ShadowRays], 0u);
+}
+
+TEST(Plan, LightsThatCannotReachTheSceneAreNotSampled) {
+  // It shines away from the ball; the other one lights it.
+  const std::string away =
+      "LightSource \"spot\" \"point from\" [0 9 0] \"point to\" [0 99 0] \"color I\" [9 9 9]\n";
+  const Rendered alone = render(away + kBall);
+  EXPECT_THAT(alone.plan, Contains("skip  1 light: shining past all surfaces and media"));
+  EXPECT_EQ(alone[Stat::ShadowRays], 0u);
+  const Rendered both = render(away + kLamp + kBall), lamp = render(kLamp + kBall);
+  EXPECT_THAT(both.plan, Contains(HasSubstr("build lights: 1 without extent")));
+  EXPECT_EQ(both[Stat::ShadowRays], lamp[Stat::ShadowRays]);
+  EXPECT_EQ(both.result.image.channels.at("R"), lamp.result.image.channels.at("R"));
+}
+
+TEST(Plan, LightsWithoutPositionAreKept) {
+  for (const char* light : {"LightSource \"infinite\"\n", "LightSource \"distant\"\n"}) {
+    const Rendered r = render(light + kBall);
+    EXPECT_GT(r[Stat::ShadowRays], 0u) << light;
+    EXPECT_GT(meanOf(r.result.image).r, 0) << light;
+  }
+}
+
+TEST(Plan, LightsThatReachAMediumOnlyAreKept) {
+  const Rendered r = render(
+      "LightSource \"spot\" \"point from\" [0 9 0] \"point to\" [0 99 0] \"color I\" [9 9 9]\n"
+      "Volume \"homogeneous\" \"point p0\" [-1 10 -1] \"point p1\" [1 12 1] \"color sigma_s\" [1 1 "
+      "1]\n" +
+      kBall);
+  EXPECT_THAT(r.plan, Contains(HasSubstr("build lights: 1 without extent")));
+}
+
+TEST(Plan, PixelsWithoutMediumCostNothing) {
+  const std::string fog =
+      "Volume \"homogeneous\" \"point p0\" [A -9 -1] \"point p1\" [9 9 1] \"color sigma_s\" [.1 .1 "
+      ".1]\n";
+  const auto fogFrom = [&](const std::string& x) {
+    std::string text = fog;
+    return text.replace(text.find('A'), 1, x);
+  };
+  const Rendered none = render(kLamp + fogFrom("8")), half = render(kLamp + fogFrom("0")),
+                 all = render(kLamp + fogFrom("-9"));
+  EXPECT_EQ(none[Stat::VolumeSegments], 0u);
+  EXPECT_EQ(none[Stat::VolumeSamples], 0u);
+  EXPECT_EQ(none[Stat::ShadowRays], 0u);
+  EXPECT_EQ(all[Stat::VolumeSegments], all[Stat::CameraRays]);
+  // Half of the image, give or take the perspective of a box that is 2 deep: within a pixel column.
+  EXPECT_NEAR(double(half[Stat::VolumeSegments]), double(half[Stat::CameraRays]) / 2,
+              double(half[Stat::CameraRays]) / 8);
+}
+
+TEST(Plan, MediaThatDoNothingAreNotThere) {
+  const std::string clear = "Volume \"homogeneous\" \"point p0\" [-1 -1 -1] \"point p1\" [1 1 1]\n";
+  const std::string empty =
+      "Volume \"volumegrid\" \"integer nx\" 2 \"integer ny\" 1 \"integer nz\" 1 \"float density\" "
+      "[0 0]\n"
+      "  \"color sigma_s\" [1 1 1]\n";
+  const Rendered r = render(kLamp + clear + empty + kBall), plain = render(kLamp + kBall);
+  EXPECT_THAT(r.plan, Contains("skip  2 volumes: neither absorbing, scattering nor emitting"));
+  EXPECT_THAT(r.plan, Contains(HasSubstr("skip  volume integrator \"single\"")));
+  EXPECT_EQ(r[Stat::VolumeSegments], 0u);
+  EXPECT_EQ(r.result.image.channels.at("G"), plain.result.image.channels.at("G"));
+}
+
+}  // namespace
+}  // namespace brume
