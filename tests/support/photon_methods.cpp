@@ -199,9 +199,12 @@ void checkScarcity(const std::string& method) {
   EXPECT_EQ(render("", medium), Rgb());
   EXPECT_EQ(render("", sky), Rgb(1));
   EXPECT_EQ(render("\"integer photons\" 0", sky + "Shape \"sphere\"").isFinite(), true);
-  // Light that turns away from the medium: an error where photons are all there is.
+  // Light that turns away from the medium, to a black ball: an error where photons are all there
+  // is. (Light that leaves the scene at once is none to begin with: the plan leaves it out.)
   const std::string away =
-      "LightSource \"spot\" \"point from\" [0 0 9] \"point to\" [0 0 10] \"float coneangle\" 20\n";
+      "LightSource \"spot\" \"point from\" [0 0 9] \"point to\" [0 0 10] \"float coneangle\" 20\n"
+      "AttributeBegin\nMaterial \"matte\" \"color Kd\" [0 0 0]\nTranslate 0 0 12\n"
+      "Shape \"sphere\"\nAttributeEnd\n";
   EXPECT_THROW(render("\"bool directvolume\" \"false\"", away + medium), SceneError);
   EXPECT_EQ(render("", away + medium), Rgb());
 }
