@@ -66,8 +66,8 @@ TEST(Overrides, SurfaceIntegratorReplacesTheScenesGlobalOne) {
 
 TEST(Overrides, UnbuiltPluginsAreRefusedUnlessReplaced) {
   Log log(captured());
-  for (const char* name : {"igi", "irradiancecache", "dipolesubsurface", "diffuseprt", "glossyprt",
-                           "useprobes"}) {
+  for (const char* name :
+       {"igi", "irradiancecache", "dipolesubsurface", "diffuseprt", "glossyprt", "useprobes"}) {
     RenderOptions options;
     options.surfaceIntegrator.name = name;
     EXPECT_THAT(errorOf([&] { refuseUnbuilt(options, false, log); }),
