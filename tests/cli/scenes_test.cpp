@@ -31,7 +31,8 @@ TEST_P(Scenes, RendersSmall) {
   const TemporaryFolder folder;
   const fs::path scene = fs::path(BRUME_SOURCE_DIR) / "scenes" / (GetParam() + ".pbrt");
   const ProgramResult result = runBrume(
-      {{scene.string(), "--resolution", "16x16", "--spp", "4", "--strict"}, folder.path()});
+      {{scene.string(), "--resolution", "16x16", "--spp", "4", "--passes", "1", "--strict"},
+       folder.path()});
   ASSERT_EQ(result.exitCode, 0) << result.err;
   const std::string name = fs::path(GetParam()).filename().string() + ".exr";
   ASSERT_EQ(folder.files(), std::vector<std::string>{name})

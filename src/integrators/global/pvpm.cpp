@@ -92,6 +92,7 @@ class Pvpm final : public PassGlobalIntegrator {
 
   Pvpm(Params params, const FactoryContext& context)
       : params_(params),
+        quick_(context.quick),
         scene_(*context.scene),
         wanted_(showableClasses(scene_, {1, 1, !params.directvolume, {}})),
         paths_(scene_, {params.maxbounces, true, params.directvolume}) {}
@@ -105,7 +106,9 @@ class Pvpm final : public PassGlobalIntegrator {
   }
   void describe(Plan& plan) const override;
   void describeView(Plan& plan, const Camera& camera, const Film& film) const override;
-  std::int64_t defaultPasses() const override { return params_.passes; }
+  std::int64_t defaultPasses() const override {
+    return quick_ ? std::max(1, params_.passes / 4) : params_.passes;
+  }
   bool renderPass(const PassContext& context,
                   const std::function<void(double share)>& onShare) override;
 
@@ -122,6 +125,7 @@ class Pvpm final : public PassGlobalIntegrator {
   std::unique_ptr<BeamLookup> makeLookup(const OwnedBeams& beams, const Bounds2i* image) const;
 
   Params params_;
+  bool quick_;  // --quick: a quarter of the passes
   const Scene& scene_;
   PhotonClasses wanted_;
   CameraPaths paths_;
