@@ -225,7 +225,8 @@ void Reader::checkContents(const Header& header, const std::vector<Photon>& phot
   if (countClasses(photons) != header.counts)
     fail("is damaged: its photons are not those that its header counts");
   const Bounds3 bounds = boundsOf(photons);
-  if (bounds.lo != header.bounds.lo || bounds.hi != header.bounds.hi)
+  // By their bits: -0 is not what was written for 0.
+  if (std::memcmp(&bounds, &header.bounds, sizeof bounds) != 0)
     fail("is damaged: its bounds are not those of its photons");
 }
 

@@ -7,12 +7,27 @@
 
 namespace brume {
 
+namespace {
+
+/// Lights this near to a medium, in its diagonals, count as inside: light scattered along a ray
+/// grows almost as much.
+constexpr float kNear = 0.02f;
+
+bool isNear(const Vec3& p, Bounds3 bounds) {
+  const Vec3 margin(kNear * length(bounds.diagonal()));
+  bounds.lo -= margin;
+  bounds.hi += margin;
+  return bounds.contains(p);
+}
+
+}  // namespace
+
 TowardsLights::TowardsLights(const Scene& scene) {
   for (const auto& light : scene.lights()) {
     const auto position = light->position();
     if (!light->isDelta() || !position || light->power().isBlack()) continue;
     for (const auto& volume : scene.contents().volumes)
-      if (volume->isScattering() && volume->bounds().contains(*position)) {
+      if (volume->isScattering() && isNear(*position, volume->bounds())) {
         lights_.push_back({*position, lightWeight(light->power())});
         break;
       }

@@ -19,7 +19,8 @@ class TowardsLights {
   /// Lights looked at from one vertex. Of more than that a few are drawn for each vertex anew.
   static constexpr std::size_t kMost = 8;
 
-  /// Remembers the lights that have a position, no size, and stand in scattering media.
+  /// Remembers the lights that have a position, no size, and stand in scattering
+  /// media, or close to them.
   explicit TowardsLights(const Scene& scene);
   bool isEmpty() const { return lights_.empty(); }
 
