@@ -187,7 +187,10 @@ RenderLimits RenderJob::Parts::limits() const {
   }
   limits.maxSeconds = settings.maxSeconds;
   limits.targetError = settings.targetError;
-  if (settings.passes)
+  // A pass is one sample of every pixel: --spp counts passes there.
+  if (passes && settings.samplesPerPixel)
+    limits.rounds = std::int64_t{*settings.samplesPerPixel} * settings.passes.value_or(1);
+  else if (settings.passes)
     limits.rounds = *settings.passes;
   else if (!limits.maxSeconds && !limits.targetError)
     limits.rounds = passes ? passes->defaultPasses() : 1;

@@ -189,6 +189,22 @@ TEST(Pvpm, LoadedPhotonsGiveTheSavedImage) {
   std::remove(file.c_str());
 }
 
+TEST(Pvpm, SamplesPerPixelArePasses) {
+  const std::string text =
+      scene("\"pvpm\" \"integer passes\" 9 \"integer photonsperpass\" 100", kPoint + kFog);
+  const auto passesOf = [&](const RenderSettings& settings) {
+    return renderText(text, settings).passes;
+  };
+  RenderSettings settings;
+  EXPECT_EQ(passesOf(settings), 9);
+  settings.samplesPerPixel = 2;
+  EXPECT_EQ(passesOf(settings), 2);
+  settings.passes = 3;
+  EXPECT_EQ(passesOf(settings), 6);
+  settings.samplesPerPixel.reset();
+  EXPECT_EQ(passesOf(settings), 3);
+}
+
 TEST(Pvpm, ThePlanCountsBeams) {
   // From z = -4 the box's front face, at distance 3, fills the middle of 2 tan(45) 3 = 6: a third
   // of the width and height, up to the pixels on its border.
