@@ -42,7 +42,7 @@ BENCHMARK_CAPTURE(samplerGet2D, adaptive, "adaptive");
 void filmAddSample(benchmark::State& state, const char* name) {
   constexpr int kTile = 16;
   const auto filter = test::make<Filter>(name, {});
-  FilmTile tile({{0, 0}, {kTile, kTile}}, *filter, false);
+  FilmTile tile({{0, 0}, {kTile, kTile}}, *filter, false, false);
   Rng rng(1);
   for (auto _ : state) {
     tile.addSample(rng.uniform2() * float(kTile), Rgb(1, 2, 3));
