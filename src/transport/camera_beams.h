@@ -33,7 +33,7 @@ struct OwnedBeams {
 struct CameraBeams {
   struct Sample {
     Vec2 raster{0};
-    Rgb L;  ///< what needs no volume photons
+    Rgb L;  ///< without volume photons at first; pvpm adds what the beams gather
   };
   /// A rectangle of pixels and its samples: [first, end).
   struct Tile {

@@ -53,7 +53,6 @@ class PhotonTracer {
 
   /// Whether any light sends photons.
   bool hasLights() const { return !sources_.empty(); }
-  const PhotonRequest& request() const { return request_; }
 
   /// Appends the deposits of one path, of the classes `wanted`, as if it were the only path.
   void tracePath(PathRandom random, PhotonClasses wanted, std::vector<Photon>& photons,
