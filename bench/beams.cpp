@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Beam lookups: how fast, and how it grows.
 //
-//   brume_beams report | splat | growth
+//   brume_beams report | splat | growth | smoke
 //
 //   report   512 x 512 beams, 10,000 photons: every lookup against the plain scan, beam by beam
 //   splat    512 x 512 beams, radius of 4 pixels: pairs per second beside a naive raster splat
 //   growth   beams, photons and radius, one at a time
+//   smoke    the three of them with few beams and photons, in seconds: that they work, no figures
 //
 // Processor time of one thread, the best of several runs: other programs disturb it little.
 #include <fmt/format.h>
@@ -29,6 +30,15 @@ using namespace brume;
 constexpr float kNear = 2, kFar = 3;  // the medium along the rays
 constexpr float kG = 0.6f;
 const Rgb kSigmaT(0.4f, 0.5f, 0.6f);
+
+/// Sides of the image, numbers of photons: of the documented figures, or just enough to run.
+struct Sizes {
+  int side = 512;
+  std::size_t splatPhotons = 200000, reportPhotons = 10000, radiusPhotons = 20000;
+  std::vector<int> sides{64, 128, 256, 512, 1024, 2048};
+  std::vector<std::size_t> photons{10000, 100000, 1000000, 10000000};
+};
+const Sizes kSmoke{64, 2000, 500, 500, {16, 32}, {1000}};
 
 double processorSeconds() {
   timespec t{};
@@ -178,10 +188,10 @@ void printRate(const std::string& name, double seconds, std::size_t photons, std
              1e9 * seconds / static_cast<double>(pairs));
 }
 
-void splat() {
-  const View view;
+void splat(const Sizes& sizes) {
+  const View view{sizes.side};
   const float radius = view.radiusOf(4);
-  const std::size_t count = 200000;
+  const std::size_t count = sizes.splatPhotons;
   const auto sorted = makePhotons(count, true), unsorted = makePhotons(count, false);
   fmt::print("| lookup | ms | M photons/s | M pairs/s | ns/pair |\n|---|---|---|---|---|\n");
 
@@ -277,11 +287,11 @@ countInBeam(const Beam& beam, const PhotonArrays& photons) {
   return n;
 }
 
-/// The report's experiment: 10,000 photons, 512 x 512 beams.
-void report() {
-  const View view;
+/// The report's experiment: 10,000 photons, 512 x 512 beams. False when the lookups disagree.
+bool report(const Sizes& sizes) {
+  const View view{sizes.side};
   const float radius = view.radiusOf(4);
-  const auto photons = makePhotons(10000, false);
+  const auto photons = makePhotons(sizes.reportPhotons, false);
   const auto beams = makeBeams(view, radius, true);
   const PhotonPositions positions{std::span(photons), &BeamPhoton::p};
   const auto count = [](void* n, const BeamPairs& pairs) {
@@ -315,6 +325,7 @@ void report() {
   row("quadtree: pairs", found, treePairs);
   row("quadtree: pairs and their evaluation", gathered, pairs);
   row("quadtree: evaluation, and the build of the tree", gathered + build, pairs);
+  return treePairs == pairs && pairs > 0;
 }
 
 /// One row of the growth table. Photons come in batches, as a pass has them.
@@ -349,15 +360,14 @@ void growthRow(const char* what, int size, std::size_t count, float pixels) {
   std::fflush(stdout);
 }
 
-void growth() {
+void growth(const Sizes& sizes) {
   fmt::print(
       "| varied | beams | photons | radius, pixels | pairs per photon | ns per photon | ns "
       "per pair | build, ms | peak MB so far |\n|---|---|---|---|---|---|---|---|---|\n");
-  for (const int size : {64, 128, 256, 512, 1024, 2048}) growthRow("beams", size, 200000, 4);
-  for (const std::size_t count : {10000u, 100000u, 1000000u, 10000000u})
-    growthRow("photons", 512, count, 4);
+  for (const int size : sizes.sides) growthRow("beams", size, sizes.splatPhotons, 4);
+  for (const std::size_t count : sizes.photons) growthRow("photons", sizes.side, count, 4);
   for (const float pixels : {0.5f, 1.f, 2.f, 4.f, 8.f, 16.f, 32.f})
-    growthRow("radius", 512, 20000, pixels);
+    growthRow("radius", sizes.side, sizes.radiusPhotons, pixels);
 }
 
 }  // namespace
@@ -365,12 +375,17 @@ void growth() {
 int main(int argc, char** argv) {
   setThreadCount(1);
   const std::string what = argc > 1 ? argv[1] : "";
-  if (what == "splat")
-    splat();
-  else if (what == "report")
-    report();
-  else if (what == "growth")
-    growth();
-  else
-    fmt::print("brume_beams report | splat | growth\n");
+  const bool isSmoke = what == "smoke";
+  const Sizes sizes = isSmoke ? kSmoke : Sizes{};
+  bool isKnown = isSmoke, agree = true;
+  const auto wanted = [&](const char* name) {
+    isKnown |= what == name;
+    return isSmoke || what == name;
+  };
+  if (wanted("splat")) splat(sizes);
+  if (wanted("report")) agree = report(sizes);
+  if (wanted("growth")) growth(sizes);
+  if (!isKnown) fmt::print("brume_beams report | splat | growth | smoke\n");
+  if (!agree) fmt::print("the quadtree and the plain scan found different pairs\n");
+  return isKnown && agree ? 0 : 1;
 }

@@ -41,6 +41,17 @@ build_jobs() {
   echo $((processors < by_memory ? processors : by_memory))
 }
 
+# Whether the folder is configured, and with each of $cmake_options (a compiler may be stored with its path).
+is_configured() {
+  local folder=$1 option
+  [[ -f $folder/build.ninja ]] || return 1
+  for option in "${cmake_options[@]}"; do
+    [[ $option =~ ^-D([^=]+)=(.*)$ ]] || return 1
+    grep -q "^${BASH_REMATCH[1]}:[A-Z]*=${BASH_REMATCH[2]}\$" "$folder/CMakeCache.txt" ||
+      [[ ${BASH_REMATCH[1]} == CMAKE_CXX_COMPILER ]] || return 1
+  done
+}
+
 # build PRESET FOLDER [TARGET...]: configures once, with $cmake_options, then lets ninja decide; silent
 # when nothing is to do.
 cmake_options=()
@@ -48,7 +59,7 @@ build() {
   local preset=$1 folder=$2 gib=1 launcher=() log
   shift 2
   if [[ $preset != release ]]; then gib=2; fi
-  if [[ ! -f $root/$folder/build.ninja ]]; then
+  if ! is_configured "$root/$folder"; then
     if command -v ccache >/dev/null; then launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache); fi
     log=$(cd "$root" &&
       cmake --preset "$preset" -B "$folder" "${launcher[@]}" "${cmake_options[@]}" 2>&1) ||
