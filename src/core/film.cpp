@@ -252,7 +252,7 @@ double Film::estimatedRelativeError() const {
     const PixelValue value = pixelValue(sums_[i], &moments_[i]);
     for (int c = 0; c < 3; ++c)
       if (value.variance[c] > 0)  // a black image has no error
-        error += value.variance[c] / (sqr(value.L[c]) + 0.01 * sqr(mean)) / count;
+        error += value.variance[c] / (sqr(value.L[c]) + kDarkShare * sqr(mean)) / count;
   }
   return std::sqrt(error);
 }

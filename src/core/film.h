@@ -62,6 +62,10 @@ class FilmTile {
   bool hasHit_ = false;
 };
 
+/// A relative error divides the square of each difference by value^2 + kDarkShare mean^2, mean over
+/// the image, so that dark pixels do not count more than they are seen.
+inline constexpr double kDarkShare = 0.01;
+
 /// What the camera's light is gathered on. Sums are kept in double; tiles are merged in the order
 /// that the renderer fixes, so the image does not depend on the number of threads.
 class Film {
@@ -104,8 +108,8 @@ class Film {
   /// over those that meet a surface, infinite where none does; the components only when some
   /// integrator told them apart.
   LayeredImage develop() const;
-  /// Square root of the mean over pixels and channels of variance / (value^2 + 0.01 mean^2): an
-  /// estimate of the relative error. Needs withVariance.
+  /// Square root of the mean over pixels and channels of variance / (value^2 + kDarkShare mean^2):
+  /// an estimate of the relative error. Needs withVariance.
   double estimatedRelativeError() const;
 
   /// Bytes per pixel of a film with and without variance, the developed image included.

@@ -33,7 +33,8 @@ class PortionLoop {
   }
   std::int64_t nextPortion() const;
   void showSnapshot();
-  std::optional<StopReason> limitReached();
+  void estimateError();
+  std::optional<StopReason> limitReached() const;
   RenderProgress progressAt(double share, std::int64_t portion, const Stats& stats) const;
 
   ImageRenderer& renderer_;
@@ -69,12 +70,15 @@ std::int64_t PortionLoop::nextPortion() const {
   return std::min(portion, left);
 }
 
-std::optional<StopReason> PortionLoop::limitReached() {
-  if (film_.settings().withVariance && outcome_.samples >= std::min(kMinSamplesForError, total_)) {
+void PortionLoop::estimateError() {
+  if (film_.settings().withVariance && outcome_.samples >= std::min(kMinSamplesForError, total_))
     outcome_.estimatedError = film_.estimatedRelativeError();
-    if (limits_.targetError && *outcome_.estimatedError <= *limits_.targetError)
-      return StopReason::Error;
-  }
+}
+
+std::optional<StopReason> PortionLoop::limitReached() const {
+  if (limits_.targetError && outcome_.estimatedError &&
+      *outcome_.estimatedError <= *limits_.targetError)
+    return StopReason::Error;
   if (outcome_.samples >= total_) return StopReason::Done;
   if (limits_.maxSeconds && outcome_.seconds >= *limits_.maxSeconds) return StopReason::Time;
   return std::nullopt;
@@ -124,6 +128,7 @@ RenderOutcome PortionLoop::run(const std::atomic<bool>& stop, Stats& stats) {
     }
     outcome_.samples += portion;
     lastPortion_ = portion;
+    estimateError();
     showSnapshot();
     if (const auto reason = limitReached()) {
       outcome_.reason = *reason;

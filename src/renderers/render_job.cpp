@@ -204,6 +204,7 @@ RenderResult RenderJob::Parts::resultAt(const RenderOutcome& outcome, const Stat
   result.seconds = outcome.seconds;
   result.setupSeconds = setupSeconds;
   result.samples = outcome.samples;
+  result.estimatedError = outcome.estimatedError;
   result.passes = static_cast<int>(outcome.samples / limits().round);
   result.image = film->develop();
 

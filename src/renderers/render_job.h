@@ -53,9 +53,10 @@ struct RenderResult {
   Stats stats;
   StopReason reason = StopReason::Done;
   int passes = 0;
-  std::int64_t samples = 0;  ///< per average pixel
-  double seconds = 0;        ///< of the render
-  double setupSeconds = 0;   ///< of making the RenderJob: acceleration structures, integrators
+  std::int64_t samples = 0;              ///< per average pixel
+  std::optional<double> estimatedError;  ///< relative, where the film keeps variances
+  double seconds = 0;                    ///< of the render
+  double setupSeconds = 0;  ///< of making the RenderJob: acceleration structures, integrators
 };
 
 /// One frame to be rendered.

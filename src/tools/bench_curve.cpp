@@ -7,22 +7,30 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/film.h"
 #include "tools/image_metrics.h"
 
 namespace brume {
 namespace {
 
-double relativeTo(double value, double reference) {
-  return value / (reference * reference + kRelMseEpsilon);
+/// Mean over pixels and channels of variance / (value^2 + dark).
+double noise(const Truth& truth, double dark) {
+  double sum = 0;
+  for (std::size_t i = 0; i < truth.variance.size(); ++i)
+    for (int c = 0; c < 3; ++c) {
+      const double value = truth.image.pixels[i][c], variance = truth.variance[i][c];
+      if (variance > 0) sum += variance / (value * value + dark);
+    }
+  return truth.variance.empty() ? 0 : sum / (3 * static_cast<double>(truth.variance.size()));
 }
 
 }  // namespace
 
-double Truth::relMseNoise() const {
-  double sum = 0;
-  for (std::size_t i = 0; i < variance.size(); ++i)
-    for (int c = 0; c < 3; ++c) sum += relativeTo(variance[i][c], image.pixels[i][c]);
-  return variance.empty() ? 0 : sum / (3 * static_cast<double>(variance.size()));
+double Truth::relMseNoise() const { return noise(*this, kRelMseEpsilon); }
+
+double Truth::relativeNoise() const {
+  const double mean = meanOf(image);
+  return noise(*this, kDarkShare * mean * mean);
 }
 
 Truth readTruth(const std::string& file) {
@@ -49,6 +57,7 @@ CurvePoint measurePoint(const RgbImage& image, const Truth& truth) {
     throw SceneError(fmt::format("{} pixels are not finite", error.nonFinitePixels));
   CurvePoint point;
   point.relMse = error.relMse - truth.relMseNoise();
+  point.relative = std::sqrt(std::max(0., error.relative * error.relative - truth.relativeNoise()));
   point.flip = flip(image, truth.image).mean;
   double a = 0, b = 0;
   for (std::size_t c = 0; c < 3; ++c) {

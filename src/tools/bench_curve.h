@@ -17,6 +17,8 @@ struct Truth {
   std::vector<Rgb> variance;  ///< of each pixel; empty: not known, taken as 0
   /// Mean of variance / (value^2 + 0.01): what the reference's own noise adds to a relMSE.
   double relMseNoise() const;
+  /// The same of a relative error's square: mean of variance / (value^2 + kDarkShare mean^2).
+  double relativeNoise() const;
 };
 /// Reads an image with or without variance layers.
 Truth readTruth(const std::string& file);
@@ -26,6 +28,9 @@ struct CurvePoint {
   /// Unbiased estimate of the mean of (a - true)^2 / (true^2 + 0.01): the reference's variance is
   /// subtracted, so it may be negative where the error is below the reference's own noise.
   double relMse = 0;
+  /// ImageError::relative, the reference's noise subtracted likewise; 0 where the error is below
+  /// it.
+  double relative = 0;
   double flip = 0;
   double meanRatio = 1;  ///< of the means over the image and its channels
 };

@@ -62,6 +62,7 @@ Json pointJson(const BenchPoint& point) {
   json["cpu seconds"] = point.cpuSeconds;
   json["samples"] = point.samples;
   json["image"] = point.image;
+  if (point.estimatedError) json["estimated error"] = *point.estimatedError;
   json["counters"] = point.counters;
   return json;
 }
@@ -96,6 +97,7 @@ class EntryRecorder {
     point.seconds = soFar.setupSeconds + soFar.seconds;
     point.cpuSeconds = cpuBefore - cpuStart_ - cpuInImages_;
     point.samples = static_cast<double>(soFar.samples);
+    point.estimatedError = soFar.estimatedError;
     point.image = fmt::format("{:03}.exr", points_.size());
     for (std::size_t i = 0; i < static_cast<std::size_t>(Stat::Count); ++i)
       if (const auto n = soFar.stats[static_cast<Stat>(i)])
@@ -125,6 +127,7 @@ bool readEntry(const fs::path& folder, const std::string& key, BenchEntry& entry
     p.seconds = point.at("seconds");
     p.cpuSeconds = point.at("cpu seconds");
     p.samples = point.at("samples");
+    if (point.contains("estimated error")) p.estimatedError = point.at("estimated error");
     p.image = (folder / point.at("image").get<std::string>()).string();
     p.counters = point.at("counters").get<std::map<std::string, double>>();
     entry.points.push_back(std::move(p));

@@ -21,6 +21,7 @@ struct BenchPoint {
   double seconds = 0;     ///< by the clock, set-up of the integrator included, writing images not
   double cpuSeconds = 0;  ///< of all threads; 0: not known
   double samples = 0;     ///< per pixel; 0: not known
+  std::optional<double> estimatedError;    ///< by the render itself (--error)
   std::map<std::string, double> counters;  ///< of --stats, those that are not 0
   std::string image;                       ///< file
 };

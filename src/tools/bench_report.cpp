@@ -140,6 +140,8 @@ Json curveJson(const Measured& measured) {
     if (at.cpuSeconds > 0) point["cpu seconds"] = at.cpuSeconds;
     if (at.samples > 0) point["samples"] = at.samples;
     point["relmse"] = error.relMse;
+    point["relative error"] = error.relative;
+    if (at.estimatedError) point["estimated error"] = *at.estimatedError;
     point["flip"] = error.flip;
     point["mean ratio"] = error.meanRatio;
     if (!at.counters.empty()) point["counters"] = at.counters;

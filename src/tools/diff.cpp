@@ -135,6 +135,7 @@ std::string table(const DiffOptions& options, const Figures& figures,
   if (figures.blocks) row("of means of", fmt::format("{0} x {0} pixels", options.block));
   row("MSE", fmt::format("{:.6g}", error.mse));
   row("relMSE", fmt::format("{:.6g}", error.relMse));
+  row("relative", fmt::format("{:.6g} (the error that --error estimates)", error.relative));
   row("MAE", fmt::format("{:.6g}", error.mae));
   row("PSNR", fmt::format("{:.2f} dB (peak {:.4g})", error.psnr, error.peak));
   row("FLIP", fmt::format("{:.6f}", figures.flip));
@@ -167,17 +168,12 @@ std::string json(const DiffOptions& options, const Figures& figures,
   const ImageError& error = figures.error;
   FigureList list;
   list.words = {{"image", options.image}, {"reference", options.reference}};
-  list.numbers = {{"width", figures.size.x},
-                  {"height", figures.size.y},
-                  {"block", options.block},
-                  {"mse", error.mse},
-                  {"relmse", error.relMse},
-                  {"mae", error.mae},
-                  {"psnr", error.psnr},
-                  {"peak", error.peak},
-                  {"flip", figures.flip},
-                  {"largest", error.maxAbs},
-                  {"not finite", double(error.nonFinitePixels)}};
+  list.numbers = {{"width", figures.size.x}, {"height", figures.size.y},
+                  {"block", options.block},  {"mse", error.mse},
+                  {"relmse", error.relMse},  {"relative", error.relative},
+                  {"mae", error.mae},        {"psnr", error.psnr},
+                  {"peak", error.peak},      {"flip", figures.flip},
+                  {"largest", error.maxAbs}, {"not finite", double(error.nonFinitePixels)}};
   const auto toVector = [](const std::array<double, 3>& v) {
     return std::vector<double>(v.begin(), v.end());
   };

@@ -5,6 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+
+#include "core/film.h"
 
 namespace brume {
 namespace {
@@ -20,10 +23,22 @@ void requireSameSize(const RgbImage& a, const RgbImage& b) {
 
 }  // namespace
 
+double meanOf(const RgbImage& image) {
+  double sum = 0;
+  std::size_t count = 0;
+  for (const Rgb& pixel : image.pixels) {
+    if (!pixel.isFinite()) continue;
+    for (int c = 0; c < 3; ++c) sum += pixel[c];
+    count += 3;
+  }
+  return count == 0 ? 0 : sum / static_cast<double>(count);
+}
+
 ImageError compareImages(const RgbImage& a, const RgbImage& b) {
   requireSameSize(a, b);
   ImageError error;
-  double squares = 0, relative = 0, absolute = 0;
+  double squares = 0, relative = 0, scaled = 0, absolute = 0;
+  const double dark = std::max(kDarkShare * sqr(meanOf(b)), std::numeric_limits<double>::min());
   for (std::size_t i = 0; i < a.pixels.size(); ++i) {
     const Rgb &pa = a.pixels[i], &pb = b.pixels[i];
     if (!pa.isFinite() || !pb.isFinite()) {
@@ -35,6 +50,7 @@ ImageError compareImages(const RgbImage& a, const RgbImage& b) {
       const double va = pa[c], vb = pb[c], d = va - vb;
       squares += d * d;
       relative += d * d / (vb * vb + kRelMseEpsilon);
+      scaled += d * d / (vb * vb + dark);
       absolute += std::abs(d);
       error.meanA[static_cast<std::size_t>(c)] += va;
       error.meanB[static_cast<std::size_t>(c)] += vb;
@@ -49,6 +65,7 @@ ImageError compareImages(const RgbImage& a, const RgbImage& b) {
   const double pixels = std::max<double>(1, static_cast<double>(error.pixels)), values = 3 * pixels;
   error.mse = squares / values;
   error.relMse = relative / values;
+  error.relative = std::sqrt(scaled / values);
   error.mae = absolute / values;
   error.psnr = error.mse > 0 ? 10 * std::log10(error.peak * error.peak / error.mse)
                              : std::numeric_limits<double>::infinity();

@@ -27,6 +27,9 @@ struct ScalarImage {
   float at(int x, int y) const { return values[static_cast<std::size_t>(y) * width + x]; }
 };
 
+/// Mean over all pixels and channels; pixels that are not finite are left out.
+double meanOf(const RgbImage& image);
+
 /// relMSE divides each squared difference by reference^2 + kRelMseEpsilon.
 inline constexpr double kRelMseEpsilon = 0.01;
 
@@ -34,8 +37,11 @@ inline constexpr double kRelMseEpsilon = 0.01;
 /// double; a pixel with a NaN or infinite channel in either image counts in nonFinitePixels and
 /// nowhere else.
 struct ImageError {
-  double mse = 0;        ///< mean (a - b)^2
-  double relMse = 0;     ///< mean (a - b)^2 / (b^2 + 0.01)
+  double mse = 0;     ///< mean (a - b)^2
+  double relMse = 0;  ///< mean (a - b)^2 / (b^2 + 0.01)
+  /// Root of the mean of (a - b)^2 / (b^2 + kDarkShare meanB^2): does not change when both images
+  /// are scaled. What --error estimates.
+  double relative = 0;
   double mae = 0;        ///< mean |a - b|
   double psnr = 0;       ///< 10 log10(peak^2 / mse) [dB]; infinite for equal images
   double peak = 0;       ///< largest channel of B, the peak of psnr

@@ -35,6 +35,8 @@ TEST(BenchCurve, TheNoiseOfTheReferenceIsSubtracted) {
   // Standard deviation of the mean of 120000 squares: sqrt(2 / 120000) 29e-4 / scale = 3e-6.
   EXPECT_NEAR(measurePoint(image, truth).relMse, 4e-4 / scale, 1.5e-5);
   EXPECT_NEAR(measurePoint(image, truth).meanRatio, 1, 1e-3);
+  const double relativeScale = kTruth * kTruth * 1.01;
+  EXPECT_NEAR(sqr(measurePoint(image, truth).relative), 4e-4 / relativeScale, 1.5e-5);
 }
 
 TEST(BenchCurve, ReachesOnAStraightLineOfLogarithms) {

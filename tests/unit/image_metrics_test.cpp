@@ -19,6 +19,8 @@ TEST(ImageError, ClosedForms) {
   const ImageError error = compareImages(a, b);
   EXPECT_DOUBLE_EQ(error.mse, (.25 + 0 + 1) / 3);
   EXPECT_DOUBLE_EQ(error.relMse, (.25 / .26 + 1 / 4.01) / 3);
+  const double dark = 0.01 * sqr(3.5 / 3);
+  EXPECT_NEAR(error.relative, std::sqrt((.25 / (.25 + dark) + 1 / (4 + dark)) / 3), 1e-12);
   EXPECT_DOUBLE_EQ(error.mae, 1.5 / 3);
   EXPECT_DOUBLE_EQ(error.psnr, 10 * std::log10(4 / error.mse));
   EXPECT_EQ(error.maxAbs, 1);
@@ -35,6 +37,16 @@ TEST(ImageError, ClosedForms) {
   EXPECT_EQ(part.nonFinitePixels, 2u);
   EXPECT_DOUBLE_EQ(part.mse, error.mse);
   EXPECT_THROW(compareImages(a, filled(2, 3, Rgb())), SceneError);
+}
+
+TEST(ImageError, TheRelativeErrorIsThatOfTheScaledImages) {
+  RgbImage a = filled(2, 1, Rgb(1.f)), b = filled(2, 1, Rgb(1.25f));
+  a.at(0, 0) = Rgb(0.f);
+  const double error = compareImages(a, b).relative;
+  for (RgbImage* image : {&a, &b})
+    for (Rgb& pixel : image->pixels) pixel *= 0x1p-40f;
+  EXPECT_NEAR(compareImages(a, b).relative, error, 1e-9 * error);
+  EXPECT_EQ(compareImages(filled(2, 1, Rgb(0.f)), filled(2, 1, Rgb(0.f))).relative, 0);
 }
 
 TEST(ImageError, FindsTheWorstPixel) {
