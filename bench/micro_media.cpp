@@ -24,6 +24,12 @@ VolumePtr grid64() {
   return test::makeGrid(spec(), 64, 64, 64, test::randomDensities(64 * 64 * 64, rng));
 }
 
+/// The three above in one place, as the scene adds up what overlaps.
+VolumePtr overlap() {
+  static const VolumePtr parts[] = {homogeneous(), exponential(), grid64()};
+  return makeAggregateVolume({parts[0].get(), parts[1].get(), parts[2].get()});
+}
+
 struct Crossing {
   Ray ray;
   Interval range;
@@ -63,6 +69,7 @@ void opticalDepth(benchmark::State& state, VolumePtr (*make)()) {
 BENCHMARK_CAPTURE(opticalDepth, homogeneous, homogeneous);
 BENCHMARK_CAPTURE(opticalDepth, exponential, exponential);
 BENCHMARK_CAPTURE(opticalDepth, grid64, grid64);
+BENCHMARK_CAPTURE(opticalDepth, overlap, overlap);
 
 void mediumAlongRay(benchmark::State& state, VolumePtr (*make)()) {
   const VolumePtr volume = make();
@@ -75,6 +82,7 @@ void mediumAlongRay(benchmark::State& state, VolumePtr (*make)()) {
 BENCHMARK_CAPTURE(mediumAlongRay, homogeneous, homogeneous);
 BENCHMARK_CAPTURE(mediumAlongRay, exponential, exponential);
 BENCHMARK_CAPTURE(mediumAlongRay, grid64, grid64);
+BENCHMARK_CAPTURE(mediumAlongRay, overlap, overlap);
 
 /// The distance to a collision in a medium that is looked up already.
 void invertMediumAlongRay(benchmark::State& state, VolumePtr (*make)()) {
@@ -97,6 +105,7 @@ void invertMediumAlongRay(benchmark::State& state, VolumePtr (*make)()) {
 BENCHMARK_CAPTURE(invertMediumAlongRay, homogeneous, homogeneous);
 BENCHMARK_CAPTURE(invertMediumAlongRay, exponential, exponential);
 BENCHMARK_CAPTURE(invertMediumAlongRay, grid64, grid64);
+BENCHMARK_CAPTURE(invertMediumAlongRay, overlap, overlap);
 
 /// Free flight: look the medium up and find where the depth -log(1 - u) is reached.
 void freeFlight(benchmark::State& state, VolumePtr (*make)()) {
@@ -110,9 +119,17 @@ void freeFlight(benchmark::State& state, VolumePtr (*make)()) {
 BENCHMARK_CAPTURE(freeFlight, homogeneous, homogeneous);
 BENCHMARK_CAPTURE(freeFlight, exponential, exponential);
 BENCHMARK_CAPTURE(freeFlight, grid64, grid64);
+BENCHMARK_CAPTURE(freeFlight, overlap, overlap);
 
 using PhasePtr = std::unique_ptr<PhaseFunction>;
 PhasePtr henyeyGreenstein() { return makeHenyeyGreensteinPhase(0.8f); }
+PhasePtr mixture() {
+  std::vector<PhasePtr> lobes;
+  lobes.push_back(makeHenyeyGreensteinPhase(0.8f));
+  lobes.push_back(makeHenyeyGreensteinPhase(-0.4f));
+  lobes.push_back(makeIsotropicPhase());
+  return makeMixturePhase(std::move(lobes), {0.6f, 0.3f, 0.1f});
+}
 PhasePtr schlick() { return makeSchlickPhase(0.8f); }
 
 void phaseValue(benchmark::State& state, PhasePtr (*make)()) {
@@ -142,6 +159,7 @@ BRUME_BENCH_PHASE(henyeygreenstein, henyeyGreenstein);
 BRUME_BENCH_PHASE(schlick, schlick);
 BRUME_BENCH_PHASE(miehazy, makeMieHazyPhase);
 BRUME_BENCH_PHASE(miemurky, makeMieMurkyPhase);
+BRUME_BENCH_PHASE(mixture, mixture);
 
 }  // namespace
 }  // namespace brume::bench

@@ -59,6 +59,14 @@ void buildAdaptiveRadii(benchmark::State& state) {
 }
 BENCHMARK(buildAdaptiveRadii)->Unit(benchmark::kMillisecond);
 
+/// The hierarchy over the tree that is there, with a radius for each photon.
+void buildPhotonBvh(benchmark::State& state) {
+  const std::vector<float> radii2 = adaptiveRadii2(tree(), 10);
+  for (auto _ : state) benchmark::DoNotOptimize(PhotonBvh(tree(), radii2).memoryBytes());
+  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(kPhotons));
+}
+BENCHMARK(buildPhotonBvh)->Unit(benchmark::kMillisecond);
+
 void nearestPhotons(benchmark::State& state) {
   std::vector<Neighbour> found(static_cast<std::size_t>(state.range(0)));
   std::size_t i = 0;
