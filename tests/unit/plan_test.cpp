@@ -30,9 +30,9 @@ struct Rendered {
   RenderResult result;
   std::uint64_t operator[](Stat stat) const { return result.stats[stat]; }
 };
-Rendered render(const std::string& world) {
+Rendered render(const std::string& options, const std::string& world) {
   Log log({Verbosity::Normal, false, true});
-  const auto job = makeJob(kOptions + world + "WorldEnd\n", {}, log);
+  const auto job = makeJob(options + world + "WorldEnd\n", {}, log);
   const std::atomic<bool> stop{false};
   Rendered rendered;
   rendered.result = job->run(stop, {});
@@ -40,6 +40,7 @@ Rendered render(const std::string& world) {
   EXPECT_TRUE(log.captured().empty()) << log.captured().front();
   return rendered;
 }
+Rendered render(const std::string& world) { return render(kOptions, world); }
 
 TEST(Plan, TexturesThatNoSurfaceUsesAreNotLoaded) {
   // The image is not there: loading it would be an error.
@@ -127,6 +128,70 @@ TEST(Plan, MediaThatDoNothingAreNotThere) {
   EXPECT_THAT(r.plan, Contains(HasSubstr("skip  volume integrator \"single\"")));
   EXPECT_EQ(r[Stat::VolumeSegments], 0u);
   EXPECT_EQ(r.result.image.channels.at("G"), plain.result.image.channels.at("G"));
+}
+
+/// The same view by one of the photon methods.
+Rendered renderBy(const std::string& integrator, const std::string& world) {
+  std::string options = kOptions;
+  options.replace(options.find("VolumeIntegrator"), 0, integrator + "\n");
+  return render(options, world);
+}
+const std::string kPvpm =
+    "GlobalIntegrator \"pvpm\" \"integer photonsperpass\" 500 \"integer passes\" 2";
+const std::string kFog =
+    "Volume \"homogeneous\" \"point p0\" [-2 -2 -2] \"point p1\" [2 2 2] \"color sigma_s\" [.3 .3 "
+    ".3]\n";
+const std::string kGlass =
+    "Material \"glass\"\nTranslate 0 2 0 Shape \"sphere\" \"float radius\" .5\n";
+
+TEST(Plan, NoCausticPhotonsWithoutSpecularSurfaces) {
+  const std::string photonmap =
+      "SurfaceIntegrator \"photonmap\" \"integer causticphotons\" 200 \"integer indirectphotons\" "
+      "0";
+  const Rendered matte = renderBy(photonmap, kLamp + kBall);
+  EXPECT_THAT(matte.plan, Contains("skip  caustic photon map: no surface is specular"));
+  EXPECT_EQ(matte[Stat::PhotonPaths], 0u);
+  EXPECT_EQ(matte[Stat::PhotonsStored], 0u);
+  const Rendered glass = renderBy(photonmap, kLamp + kBall + kGlass);
+  EXPECT_THAT(glass.plan, Contains(HasSubstr("build caustic photon map")));
+  EXPECT_GE(glass[Stat::PhotonsStored], 200u);
+  EXPECT_THAT(renderBy(kPvpm, kLamp + kBall).plan,
+              Contains("skip  caustic photons: no surface is specular"));
+}
+
+TEST(Plan, NoBeamsWithoutScatteringMedium) {
+  const std::string smoke =
+      "Volume \"homogeneous\" \"point p0\" [-2 -2 -2] \"point p1\" [2 2 2] \"color sigma_a\" [.3 "
+      ".3 "
+      ".3]\n";
+  const Rendered r = renderBy(kPvpm, kLamp + smoke + kBall);
+  EXPECT_THAT(r.plan, Contains("skip  camera beams and photons in media: no medium scatters"));
+  EXPECT_EQ(r[Stat::PhotonBeamPairs], 0u);
+  EXPECT_EQ(r[Stat::VolumeSamples], 0u);
+  EXPECT_GT(renderBy(kPvpm, kLamp + kFog + kBall)[Stat::PhotonBeamPairs], 0u);
+}
+
+TEST(Plan, NoPhotonsOnSurfacesWhereNothingIsDiffuse) {
+  const Rendered r = renderBy(kPvpm, kLamp + kFog + "Material \"mirror\"\nShape \"sphere\"\n");
+  EXPECT_THAT(r.plan, Contains("skip  visible points and photons on surfaces: nothing in the "
+                               "scene is diffuse"));
+  // All that is stored lies in the medium: without it, nothing is.
+  const Rendered clear = renderBy(kPvpm, kLamp + "Material \"mirror\"\nShape \"sphere\"\n");
+  EXPECT_EQ(clear[Stat::PhotonsStored], 0u);
+  EXPECT_EQ(clear[Stat::PhotonPaths], 0u);
+  EXPECT_GT(r[Stat::PhotonsStored], 0u);
+}
+
+TEST(Plan, PixelsWithoutMediumHaveNoBeam) {
+  const auto fogFrom = [](const char* x) {
+    return std::string("Volume \"homogeneous\" \"point p0\" [") + x +
+           " -9 -1] \"point p1\" [9 9 1] \"color sigma_s\" [.1 .1 .1]\n";
+  };
+  const Rendered half = renderBy(kPvpm, kLamp + fogFrom("0")),
+                 all = renderBy(kPvpm, kLamp + fogFrom("-9"));
+  EXPECT_EQ(all[Stat::VolumeSegments], all[Stat::CameraRays]);
+  EXPECT_NEAR(double(half[Stat::VolumeSegments]), double(half[Stat::CameraRays]) / 2,
+              double(half[Stat::CameraRays]) / 8);
 }
 
 }  // namespace
