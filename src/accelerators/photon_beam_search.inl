@@ -79,11 +79,27 @@ struct BlockTest {
 };
 
 BRUME_KERNEL inline void append(PhotonBvh::Found& found, std::size_t& count, std::uint32_t block,
-                                LaneMask mask, const BeamFoot<Lanes>& foot) {
+                                LaneMask mask, const BeamFoot<Lanes>& foot,
+                                const Lanes& radius2) {
   compressIndices(block * std::uint32_t{kLanes}, mask, found.indices.data() + count);
   compress(foot.t, mask, found.t.data() + count);
   compress(foot.d2, mask, found.distances2.data() + count);
+  compress(radius2, mask, found.radii2.data() + count);
   count += static_cast<std::size_t>(std::popcount(mask));
+}
+
+/// Squared radii of a block's photons; `radii` are those of its node's children.
+BRUME_KERNEL inline Lanes radii2Of(const PhotonBvhView& bvh, std::uint32_t block,
+                                   const float* radii) {
+  switch (bvh.kind) {
+    case PhotonBvhView::Radii::Each:
+      return Lanes::load(bvh.radii2[block].data());
+    case PhotonBvhView::Radii::OfBlocks:
+      return Lanes::all(radii[block % kLanes] * radii[block % kLanes]);
+    case PhotonBvhView::Radii::Same:
+      break;
+  }
+  return Lanes::all(bvh.radius2);
 }
 
 /// Goes on with a search until `found` may be full or nothing is left.
@@ -93,15 +109,16 @@ BRUME_KERNEL std::size_t searchBeam(const PhotonBvhView& bvh, PhotonKdTree::Sear
   const float reach = tree.maxCoordinate + maxComponent(abs(beam.o));
   const BeamTest nodeTest(beam, Frame::fromZ(beam.d), kBeamSlack * reach);
   const BlockTest blockTest(beam);
-  const Lanes sameRadius2 = Lanes::all(bvh.radius2),
-              sameRadius = Lanes::all(std::sqrt(bvh.radius2));
-  const bool isSame = bvh.radii2 == nullptr;
+  PhotonBvhView::LaneRow sameRadii;
+  sameRadii.fill(std::sqrt(bvh.radius2));
+  const bool isSame = bvh.kind == PhotonBvhView::Radii::Same;
   std::size_t count = 0;
   while (search.size > 0 && count <= PhotonKdTree::kBatch - PhotonKdTree::kBatchMost) {
     const PhotonKdTree::Search::Entry entry = search.stack[--search.size];
-    const Lanes radii =
-        isSame ? sameRadius : Lanes::load(bvh.childRadii[entry.level][entry.node].data());
-    LaneMask mask = nodeTest.mayHold(tree.levels[entry.level][entry.node], radii);
+    const float* const radii =
+        isSame ? sameRadii.data() : bvh.childRadii[entry.level][entry.node].data();
+    LaneMask mask =
+        nodeTest.mayHold(tree.levels[entry.level][entry.node], Lanes::load(radii));
     for (; mask != 0; mask &= mask - 1) {
       const std::uint32_t child =
           entry.node * std::uint32_t{kLanes} + static_cast<std::uint32_t>(std::countr_zero(mask));
@@ -110,8 +127,8 @@ BRUME_KERNEL std::size_t searchBeam(const PhotonBvhView& bvh, PhotonKdTree::Sear
         continue;
       }
       const BeamFoot<Lanes> foot = blockTest.foot(tree.blocks[child]);
-      const Lanes radius2 = isSame ? sameRadius2 : Lanes::load(bvh.radii2[child].data());
-      append(found, count, child, blockTest.holds(foot, radius2), foot);
+      const Lanes radius2 = radii2Of(bvh, child, radii);
+      append(found, count, child, blockTest.holds(foot, radius2), foot, radius2);
     }
   }
   return count;

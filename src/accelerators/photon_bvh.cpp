@@ -39,6 +39,14 @@ void forEachBlock(std::size_t count, F&& f) {
 
 float largest(const LaneRow& row) { return *std::max_element(row.begin(), row.end()); }
 
+/// Whether the radii of level 1 say all: equal in each block, and the squares of their roots.
+bool areOfBlocks(std::span<const float> radii2) {
+  for (std::size_t i = 0; i < radii2.size(); ++i)
+    if (radii2[i] != radii2[i / kLanes * kLanes] || sqr(std::sqrt(radii2[i])) != radii2[i])
+      return false;
+  return true;
+}
+
 }  // namespace
 
 PhotonBvh::PhotonBvh(const PhotonKdTree& tree, float radius) {
@@ -81,7 +89,13 @@ PhotonBvh::PhotonBvh(const PhotonKdTree& tree, std::span<const float> radii2) {
     below = {level, counts[l]};
     level += counts[l];
   }
-  view_.radii2 = radii2_.data();
+  if (areOfBlocks(radii2)) {
+    view_.kind = PhotonBvhView::Radii::OfBlocks;
+    radii2_ = {};
+  } else {
+    view_.kind = PhotonBvhView::Radii::Each;
+    view_.radii2 = radii2_.data();
+  }
 }
 
 std::size_t PhotonBvh::searchBeam(PhotonKdTree::Search& search, const BeamQuery& beam,

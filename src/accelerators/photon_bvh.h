@@ -15,8 +15,11 @@ namespace brume {
 struct PhotonBvhView {
   using LaneRow = std::array<float, kLanes>;
   PhotonTreeView tree;
-  const LaneRow* radii2 = nullptr;  ///< by block; null: radius2 is that of all
-  /// The largest radius in each child, by level like the nodes.
+  /// Of each photon, of each block (the radii of level 1), or radius2 for all.
+  enum class Radii { Each, OfBlocks, Same };
+  Radii kind = Radii::Same;
+  const LaneRow* radii2 = nullptr;  ///< Each: by block
+  /// The largest radius in each child, by level like the nodes; not with Same.
   std::array<const LaneRow*, PhotonTreeView::kMaxLevels> childRadii{};
   float radius2 = 0;
 };
@@ -32,11 +35,21 @@ class PhotonBvh {
  public:
   /// One radius >= 0 for all photons.
   PhotonBvh(const PhotonKdTree& tree, float radius);
-  /// A squared radius for each photon, in the order of the tree.
+  /// A squared radius for each photon, in the order of the tree. Memory per photon: 4.6 bytes, or
+  /// 0.6 where the photons of each block have equal radii (adaptiveRadii2).
   PhotonBvh(const PhotonKdTree& tree, std::span<const float> radii2);
 
   float radius2(std::size_t i) const {
-    return view_.radii2 != nullptr ? view_.radii2[i / kLanes][i % kLanes] : view_.radius2;
+    const std::size_t block = i / kLanes;
+    switch (view_.kind) {
+      case PhotonBvhView::Radii::Each:
+        return view_.radii2[block][i % kLanes];
+      case PhotonBvhView::Radii::OfBlocks:
+        return sqr(view_.childRadii[1][block / kLanes][block % kLanes]);
+      case PhotonBvhView::Radii::Same:
+        break;
+    }
+    return view_.radius2;
   }
   /// Of the radii alone.
   std::size_t memoryBytes() const {
@@ -47,16 +60,23 @@ class PhotonBvh {
   /// and query alone.
   template <class F>
   void forEachInBeam(const BeamQuery& beam, F&& f) const {
-    PhotonKdTree::Search search(view_.tree);
-    Found batch;
-    while (const std::size_t n = searchBeam(search, beam, batch))
+    forEachBatchInBeam(beam, [&](const Found& batch, std::size_t n) {
       for (std::size_t i = 0; i < n; ++i)
         f(batch.indices[i], BeamFoot<float>{batch.t[i], batch.distances2[i]});
+    });
   }
 
+  /// Photons of a beam, and their squared radii.
   struct Found : PhotonKdTree::Found {
-    std::array<float, PhotonKdTree::kBatch + kLanes> t;
+    std::array<float, PhotonKdTree::kBatch + kLanes> t, radii2;
   };
+  /// The same, many photons at a time: f(found, count); there is room for whole rows of lanes.
+  template <class F>
+  void forEachBatchInBeam(const BeamQuery& beam, F&& f) const {
+    PhotonKdTree::Search search(view_.tree);
+    Found batch;
+    while (const std::size_t n = searchBeam(search, beam, batch)) f(batch, n);
+  }
 
  private:
   using LaneRow = PhotonBvhView::LaneRow;

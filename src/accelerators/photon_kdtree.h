@@ -103,10 +103,10 @@ class PhotonKdTree {
   /// depends on tree and query alone.
   template <class F>
   void forEachWithin(const Vec3& p, float radius2, F&& f) const {
-    Search search(view_);
-    Found batch;
-    while (const std::size_t n = searchBall(search, p, radius2, batch))
+    forEachBatchWithin(p, radius2, [&](const Found& batch, std::size_t n) {
       for (std::size_t i = 0; i < n; ++i) f(batch.indices[i], batch.distances2[i]);
+      return true;
+    });
   }
 
   /// Nodes that a search has still to visit.
@@ -124,6 +124,14 @@ class PhotonKdTree {
     std::array<std::uint32_t, kBatch + kLanes> indices;
     std::array<float, kBatch + kLanes> distances2;
   };
+  /// forEachWithin with many points at a time: f(found, count) returns whether to go on.
+  template <class F>
+  void forEachBatchWithin(const Vec3& p, float radius2, F&& f) const {
+    Search search(view_);
+    Found batch;
+    while (const std::size_t n = searchBall(search, p, radius2, batch))
+      if (!f(batch, n)) return;
+  }
 
  private:
   std::size_t searchBall(Search& search, const Vec3& p, float radius2, Found& found) const;

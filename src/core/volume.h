@@ -119,6 +119,9 @@ class Volume {
   virtual bool isScattering() const = 0;
   /// Set for media that special kernels can take.
   virtual std::optional<UniformMedium> uniform() const { return std::nullopt; }
+  /// g of the one Henyey-Greenstein phase function of all points and channels (0: isotropic); none:
+  /// it is another one.
+  virtual std::optional<float> henyeyGreenstein() const { return std::nullopt; }
 
   /// Phase function at p for each channel [1/sr]. Where volumes overlap it is the mean weighted by
   /// the channel's sigma_s, so that sigma_s * phase is the sum of what each of them scatters. Each

@@ -83,6 +83,7 @@ namespace generic {
 using namespace lanes_generic;
 #define BRUME_KERNEL
 #include "accelerators/beam_search.inl"
+#include "accelerators/lanes_exp.inl"
 #include "transport/beam_gather.inl"
 #undef BRUME_KERNEL
 }  // namespace generic
@@ -92,6 +93,7 @@ namespace avx2 {
 using namespace lanes_avx2;
 #define BRUME_KERNEL BRUME_AVX2
 #include "accelerators/beam_search.inl"
+#include "accelerators/lanes_exp.inl"
 #include "transport/beam_gather.inl"
 #undef BRUME_KERNEL
 }  // namespace avx2

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "transport/camera_path.h"
+#include "transport/photon_estimates.h"
 #include "transport/photon_maps.h"
 #include "transport/photon_store.h"
 

@@ -60,6 +60,7 @@ class BoxVolume : public Volume {
     return {s.wi, Rgb(s.value), s.pdf};
   }
   float phasePeak() const final { return phase_->peak(); }
+  std::optional<float> henyeyGreenstein() const final { return phase_->henyeyGreenstein(); }
   std::optional<UniformMedium> uniform() const final {
     const auto g = phase_->henyeyGreenstein();
     return isConstant() && g ? std::optional(UniformMedium{unit_, *g}) : std::nullopt;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // GlobalIntegrator "bre": the checks that it shares with its kin. Its sums and their bias are
-// tested in volume_photon_map_test.
+// tested in photon_estimates_test.
 #include <gtest/gtest.h>
 
 #include "support/photon_methods.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // GlobalIntegrator "vpm": checks that it shares with "bre", whose tests cover the common code. Its
-// sums and their bias are tested in volume_photon_map_test.
+// sums and their bias are tested in photon_estimates_test.
 #include <gtest/gtest.h>
 
 #include "support/photon_methods.h"

@@ -57,7 +57,7 @@ class Vpm final : public PhotonMapIntegrator {
 
   BeamEstimate estimate(const VolumePhotonMap& map, const MediumAlongRay& medium,
                         RenderContext& context) const override {
-    thread_local std::vector<Neighbour> scratch;  // reused, so that its memory is
+    thread_local PointScratch scratch;  // reused, so that its memory is
     const Interval range = medium.occupied();
     // Whole steps, none longer than asked for.
     const double steps = std::ceil(double{range.length()} / double{step_});

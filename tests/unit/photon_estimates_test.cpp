@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The estimates of a photon map against the sums they stand for, and their bias against theory.
-#include "transport/volume_photon_map.h"
+#include "transport/photon_estimates.h"
 
 #include <gtest/gtest.h>
 
@@ -30,6 +30,10 @@ std::vector<std::unique_ptr<Volume>> media() {
   spec.sigma_s = Rgb(2, 1.5f, 0.4f);
   std::vector<std::unique_ptr<Volume>> result;
   result.push_back(test::makeHomogeneous(spec));
+  for (const float g : {0.8f, -0.6f}) {
+    spec.g = g;
+    result.push_back(test::makeHomogeneous(spec));
+  }
   spec.g = 0.7f;
   result.push_back(test::makeExponential(spec, 1, 3));
   spec.sigma_a = Rgb(0.2f);
@@ -106,7 +110,7 @@ TEST(VolumePhotonMap, PointRadianceIsItsSum) {
     const std::vector<Photon> photons = randomPhotons(3000, 2);
     const VolumePhotonMap map(*volume, photons, Power::Arriving);
     Rng rng(5);
-    std::vector<Neighbour> scratch;
+    PointScratch scratch;
     for (int q = 0; q < 20; ++q) {
       const Vec3 p(rng.uniform(), rng.uniform(), rng.uniform()), wo = test::randomDirection(rng);
       std::vector<std::pair<double, const Photon*>> byDistance;
@@ -136,6 +140,13 @@ TEST(VolumePhotonMap, PointRadianceIsItsSum) {
       const BeamEstimate nearest = pointRadiance(map, {30}, p, wo, scratch);
       EXPECT_EQ(nearest.photons, 29u);
       expectNear(nearest.L, sum(29, byDistance[29].first));
+      // However far the last lookup reached.
+      for (const float radius2 : {0.f, 0.5f, 0.99f, 1.01f, 1.3f, 100.f}) {
+        scratch.radius2 = radius2 * static_cast<float>(byDistance[29].first);
+        const BeamEstimate again = pointRadiance(map, {30}, p, wo, scratch);
+        EXPECT_EQ(again.photons, 29u);
+        EXPECT_EQ(again.L, nearest.L) << "the same bits after a radius^2 of " << radius2;
+      }
       // Fewer than asked for within the radius: that radius.
       const BeamEstimate few = pointRadiance(map, {2000, 0.2f}, p, wo, scratch);
       EXPECT_EQ(few.photons, within(0.2));
@@ -153,12 +164,13 @@ TEST(VolumePhotonMap, LeavesOutWhatDoesNotScatter) {
   EXPECT_EQ(VolumePhotonMap(*volume, photons, Power::Arriving).size(), 100u);
 }
 
-TEST(VolumePhotonMap, NeedsFewerThan32BytesPerPhoton) {
+TEST(VolumePhotonMap, NeedsAtMost32BytesPerPhotonWithItsRadii) {
   test::MediumSpec spec;
   spec.sigma_s = Rgb(1);
   const auto volume = test::makeHomogeneous(spec);
-  const VolumePhotonMap map(*volume, randomPhotons(20'000, 4), Power::Scattered);
-  EXPECT_LE(map.memoryBytes(), 32 * map.size());
+  const VolumePhotonMap map(*volume, randomPhotons(1 << 15, 4), Power::Scattered);
+  const PhotonBvh bvh(map.tree(), adaptiveRadii2(map.tree(), 50));
+  EXPECT_LE(map.memoryBytes() + bvh.memoryBytes(), 32 * map.size());
 }
 
 /// Photons at evenly spread places with the density 1 + cos(k (x - 1/2)) / 2 in their powers, light
@@ -210,7 +222,7 @@ TEST_F(BiasOfEstimates, OfBeamsFallsWithTheSquareOfTheRadius) {
 
 TEST_F(BiasOfEstimates, OfPointsFallsWithTheSquareOfTheRadius) {
   const VolumePhotonMap map(*volume_, photons_, Power::Arriving);
-  std::vector<Neighbour> scratch;
+  PointScratch scratch;
   const auto error = [&](float r) {
     // The mean over a plane in which the density is the same.
     double L = 0;
@@ -236,7 +248,7 @@ TEST_F(BiasOfEstimates, NearestPhotonsCountTheDensityRight) {
   for (Photon& photon : photons) photon.power = Rgb(1.f / kN);
   const VolumePhotonMap map(*volume_, photons, Power::Arriving);
   Rng rng(8);
-  std::vector<Neighbour> scratch;
+  PointScratch scratch;
   double sum = 0;
   for (int i = 0; i < kQueries; ++i) {
     const Vec3 p = Vec3(0.2f) + 0.6f * Vec3(rng.uniform(), rng.uniform(), rng.uniform());

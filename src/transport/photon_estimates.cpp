@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "transport/photon_estimates.h"
+
+#include "accelerators/lanes_math.h"
+#include "transport/kernels.h"
+
+namespace brume {
+namespace {
+
+/// A sum of many terms, in double.
+struct RgbSum {
+  double r = 0, g = 0, b = 0;
+  void add(const Rgb& c) { r += double{c.r}, g += double{c.g}, b += double{c.b}; }
+  Rgb times(double factor) const {
+    return {static_cast<float>(r * factor), static_cast<float>(g * factor),
+            static_cast<float>(b * factor)};
+  }
+};
+
+/// A sum in each lane, of so few terms that float is enough.
+struct LaneSums {
+  alignas(32) std::array<std::array<float, kLanes>, 3> L{};
+
+  RgbSum& addTo(RgbSum& sum) const {
+    for (std::size_t i = 0; i < kLanes; ++i) sum.add({L[0][i], L[1][i], L[2][i]});
+    return sum;
+  }
+};
+
+/// The Henyey-Greenstein phase function towards a viewer, as a constant times
+///   ((1 - a)^2 + a |d + sign wi|^2)^(-3/2),   a = |g|
+/// d the direction of the viewer's ray, wi to where the light comes from.
+struct Viewer {
+  Vec3 d;
+  float a, sign, oneMinusA2;
+  double factor;
+
+  Viewer(const Vec3& rayDirection, float g)
+      : d(rayDirection),
+        a(std::abs(g)),
+        sign(g < 0 ? 1.f : -1.f),
+        oneMinusA2(sqr(1.f - a)),
+        factor(double{kInv4Pi} * (1 - double{a}) * (1 + double{a})) {}
+};
+
+/// Transmittance along a beam: exp(-sigma_t (t - t0)), or known for each photon of a batch.
+struct BeamTransmittance {
+  using Known = std::array<std::array<float, PhotonKdTree::kBatch + kLanes>, 3>;
+  float t0 = 0;
+  std::array<float, 3> sigma_t{};
+  bool isGrey = false;
+  const Known* known = nullptr;
+};
+
+namespace generic {
+using namespace lanes_generic;
+#define BRUME_KERNEL
+#include "accelerators/lanes_exp.inl"
+#include "transport/photon_scatter.inl"
+#undef BRUME_KERNEL
+}  // namespace generic
+
+#if BRUME_HAS_AVX2
+namespace avx2 {
+using namespace lanes_avx2;
+#define BRUME_KERNEL BRUME_AVX2
+#include "accelerators/lanes_exp.inl"
+#include "transport/photon_scatter.inl"
+#undef BRUME_KERNEL
+}  // namespace avx2
+#else
+namespace avx2 = generic;
+#endif
+
+/// g of all of a map's media.
+std::optional<float> phaseOf(const VolumePhotonMap& map) {
+  return map.isIsotropic() ? std::optional(0.f) : map.volume().henyeyGreenstein();
+}
+
+/// Power times phase function, for any medium.
+Rgb turned(const VolumePhotonMap& map, std::size_t photon, const Vec3& p, const Vec3& wo) {
+  const Rgb power = map.power(photon);
+  return map.isIsotropic() ? power * kInv4Pi : power * map.volume().phase(p, wo, map.wi(photon));
+}
+
+BeamTransmittance transmittanceOf(const VolumePhotonMap& map, const MediumAlongRay& medium) {
+  BeamTransmittance Tr;
+  if (const auto uniform = map.volume().uniform()) {
+    const Rgb sigma_t = uniform->coefficients.sigma_t();
+    Tr.t0 = medium.range().t0;
+    Tr.sigma_t = {sigma_t.r, sigma_t.g, sigma_t.b};
+    Tr.isGrey = sigma_t.r == sigma_t.g && sigma_t.g == sigma_t.b;
+  }
+  return Tr;
+}
+
+/// Fills the last row of a batch with copies that do not count.
+void completeRow(PhotonBvh::Found& batch, std::size_t count) {
+  for (std::size_t i = count; i % kLanes != 0; ++i) {
+    batch.indices[i] = batch.indices[0];
+    batch.t[i] = batch.t[0];
+    batch.distances2[i] = batch.radii2[i] = 1;  // the kernel's rim
+  }
+}
+
+/// The estimate where the phase function is Henyey and Greenstein's.
+BeamEstimate beamRadianceInLanes(const VolumePhotonMap& map, const PhotonBvh& bvh,
+                                 const MediumAlongRay& medium, const Viewer& viewer) {
+  const Ray& ray = medium.ray();
+  BeamTransmittance transmittance = transmittanceOf(map, medium);
+  const bool isUniform = map.volume().uniform().has_value();
+  BeamTransmittance::Known known;
+  if (!isUniform) transmittance.known = &known;
+  RgbSum sum;
+  std::uint64_t photons = 0;
+  bvh.forEachBatchInBeam(
+      {ray.o, ray.d, medium.range()}, [&](PhotonBvh::Found& batch, std::size_t count) {
+        completeRow(batch, count);
+        for (std::size_t i = 0; !isUniform && i < count; ++i) {
+          const Rgb Tr = medium.transmittance(batch.t[i]);
+          known[0][i] = Tr.r, known[1][i] = Tr.g, known[2][i] = Tr.b;
+        }
+        for (std::size_t i = count; !isUniform && i % kLanes != 0; ++i)
+          known[0][i] = known[1][i] = known[2][i] = 0;
+        LaneSums some;
+        if (hasAvx2())
+          avx2::addBeam(map.rows(), viewer, transmittance, batch, count, some);
+        else
+          generic::addBeam(map.rows(), viewer, transmittance, batch, count, some);
+        some.addTo(sum);
+        photons += count;
+      });
+  return {sum.times(viewer.factor * 3 / M_PI), photons};
+}
+
+}  // namespace
+
+BeamEstimate beamRadiance(const VolumePhotonMap& map, const PhotonBvh& bvh,
+                          const MediumAlongRay& medium) {
+  const Ray& ray = medium.ray();
+  if (const auto g = phaseOf(map)) return beamRadianceInLanes(map, bvh, medium, Viewer(ray.d, *g));
+  const Vec3 wo = -ray.d;
+  RgbSum sum;
+  std::uint64_t count = 0;
+  bvh.forEachInBeam({ray.o, ray.d, medium.range()}, [&](std::uint32_t i, BeamFoot<float> foot) {
+    const float kernel = DiscKernel(bvh.radius2(i))(foot.d2);
+    sum.add(medium.transmittance(foot.t) * turned(map, i, map.tree().point(i), wo) * kernel);
+    ++count;
+  });
+  return {sum.times(1), count};
+}
+
+namespace {
+
+/// Squares of the factors by which a radius is taken larger than the last one: so far neighbouring
+/// lookups differ seldom; and by which it grows when it was too small.
+constexpr float kNextRadius2 = 1.25f, kGrowth2 = 1.6f;
+constexpr int kGuesses = 2;
+/// Times k: with more photons a guess is too large to be of use.
+constexpr std::size_t kMostCandidates = 6;
+
+/// The photons within a radius, in the order of the tree, with room for whole rows. False: more
+/// than `most`.
+bool collect(const PhotonKdTree& tree, const Vec3& p, float radius2, std::size_t most,
+             PointScratch& scratch) {
+  std::size_t size = 0;
+  tree.forEachBatchWithin(p, radius2, [&](const PhotonKdTree::Found& batch, std::size_t n) {
+    const std::size_t room = size + n + kLanes;
+    if (scratch.indices.size() < room) {
+      scratch.indices.resize(2 * room);
+      scratch.distances2.resize(2 * room);
+    }
+    std::copy_n(batch.indices.begin(), n, scratch.indices.begin() + static_cast<long>(size));
+    std::copy_n(batch.distances2.begin(), n, scratch.distances2.begin() + static_cast<long>(size));
+    size += n;
+    return size <= most;
+  });
+  scratch.count = size;
+  return size <= most;
+}
+
+/// The squared radius of a lookup of k photons; `scratch` then holds those within it, or some more.
+/// 0: there are none.
+float radius2OfNearest(const PhotonKdTree& tree, const PointLookup& lookup, const Vec3& p,
+                       PointScratch& scratch) {
+  const std::size_t k = lookup.nearest;
+  const float limit2 = sqr(lookup.radius);
+  constexpr std::size_t kAll = ~std::size_t{0};
+  float guess2 = scratch.radius2 * kNextRadius2;
+  for (int i = 0; i < kGuesses && guess2 > 0 && guess2 < limit2; ++i, guess2 *= kGrowth2) {
+    if (!collect(tree, p, guess2, kMostCandidates * k, scratch)) break;
+    if (scratch.count < k) continue;
+    scratch.ranked.assign(scratch.distances2.begin(),
+                          scratch.distances2.begin() + static_cast<long>(scratch.count));
+    const auto kth = scratch.ranked.begin() + static_cast<long>(k - 1);
+    std::nth_element(scratch.ranked.begin(), kth, scratch.ranked.end());
+    return *kth;
+  }
+
+  // The k-th stands in front.
+  scratch.nearest.resize(k);
+  const std::size_t found = tree.nearest(p, scratch.nearest, lookup.radius);
+  const float radius2 = found < k && lookup.radius < kInfinity ? limit2
+                        : found < 2                            ? 0
+                                                               : scratch.nearest[0].distance2();
+  if (radius2 > 0) collect(tree, p, radius2, kAll, scratch);
+  return radius2;
+}
+
+}  // namespace
+
+BeamEstimate pointRadiance(const VolumePhotonMap& map, const PointLookup& lookup, const Vec3& p,
+                           const Vec3& wo, PointScratch& scratch) {
+  float radius2 = sqr(lookup.radius);
+  if (lookup.nearest == 0)
+    collect(map.tree(), p, radius2, ~std::size_t{0}, scratch);
+  else
+    radius2 = scratch.radius2 = radius2OfNearest(map.tree(), lookup, p, scratch);
+  if (!(radius2 > 0)) return {};
+
+  // The same photons in the same order, however they were found.
+  std::uint32_t* const indices = scratch.indices.data();
+  float* const distances2 = scratch.distances2.data();
+  const std::size_t count = hasAvx2()
+                                ? avx2::keepNearer(radius2, indices, distances2, scratch.count)
+                                : generic::keepNearer(radius2, indices, distances2, scratch.count);
+  RgbSum sum;
+  if (const auto g = phaseOf(map)) {
+    const Viewer viewer(-wo, *g);
+    constexpr std::size_t kInFloat = 1024;  // terms added in float: 128 in each lane
+    for (std::size_t i = 0; i < count; i += kInFloat) {
+      const std::size_t n = std::min(kInFloat, count - i);
+      for (std::size_t j = i + n; j % kLanes != 0; ++j) indices[j] = 0, distances2[j] = radius2;
+      LaneSums some;
+      if (hasAvx2())
+        avx2::addPoint(map.rows(), viewer, indices + i, distances2 + i, n, 1 / radius2, some);
+      else
+        generic::addPoint(map.rows(), viewer, indices + i, distances2 + i, n, 1 / radius2, some);
+      some.addTo(sum);
+    }
+    return {sum.times(viewer.factor * double{BallKernel(radius2)(0)}), count};
+  }
+  const BallKernel kernel(radius2);
+  for (std::size_t i = 0; i < count; ++i)
+    sum.add(turned(map, indices[i], p, wo) * kernel(distances2[i]));
+  return {sum.times(1), count};
+}
+
+}  // namespace brume
