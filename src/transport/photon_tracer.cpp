@@ -8,6 +8,7 @@
 #include "core/material.h"
 #include "core/medium_along_ray.h"
 #include "core/parallel.h"
+#include "transport/aimed_scattering.h"
 #include "transport/free_flight.h"
 
 namespace brume {
@@ -49,17 +50,6 @@ PhotonClass volumeClass(Stage stage) {
                                     : PhotonClass::VolumeMultiple;
 }
 
-/// Below this share of a light's power towards the media its paths are split.
-constexpr float kSmallShare = 0.4f;
-
-/// Whether a light path would enter the ball, as oneMinusCosSeen sees it.
-bool meets(const Ball& ball, const LightEmission& emission) {
-  const Vec3d toCenter = Vec3d(ball.center) - Vec3d(emission.o), d(emission.d);
-  const double along = dot(toCenter, d), distance2 = dot(toCenter, toCenter),
-               radius2 = sqr(double{ball.radius});
-  return distance2 <= radius2 || (along > 0 && distance2 - along * along <= radius2);
-}
-
 float largest(const Rgb& power) {
   return std::max(std::abs(power.r), std::max(std::abs(power.g), std::abs(power.b)));
 }
@@ -69,13 +59,14 @@ float largest(const Rgb& power) {
 struct PhotonTracer::Path {
   Ray ray;
   Rgb power;
+  float usualPower = 0;
   Stage stage = Stage::Direct;
   int scatterings = 0;
 
-  /// Roulette: goes on with `next`, the expected power, or ends. The survivors keep about the power
-  /// they had.
+  /// Roulette: goes on with `next`, the expected power, or ends. The survivors have the usual power
+  /// at least.
   bool survives(const Rgb& next, float u) {
-    float survival = std::min(1.f, largest(next) / largest(power));
+    float survival = std::min(1.f, largest(next) / usualPower);
     if (scatterings >= kLongPath) survival = std::min(survival, kLongPathSurvival);
     if (!(survival > 0) || u >= survival) return false;
     power = next / survival;
@@ -84,63 +75,26 @@ struct PhotonTracer::Path {
 };
 
 PhotonTracer::PhotonTracer(const Scene& scene, const PhotonRequest& request)
-    : scene_(scene), request_(request), target_(ballAround(scene.bounds())) {
-  const Volume* volume = scene.volume();
-  if (volume && !(request.wanted & kVolumePhotons).isEmpty()) media_ = ballAround(volume->bounds());
-  std::vector<float> weights;
-  for (const auto& light : scene.lights()) addLight(*light, weights);
-  if (volume && volume->isEmissive() && !request.passiveMedia) {
-    sources_.push_back({});
-    weights.push_back(4 * kPi * lightWeight(volume->totalEmission()));
-  }
-  if (!weights.empty()) choice_ = Distribution1D(weights);
-}
+    : scene_(scene),
+      request_(request),
+      media_(mediaToAimAt()),
+      sources_(scene,
+               {media_, !(request.wanted & kSurfacePhotons).isEmpty(), !request.passiveMedia}) {}
 
-void PhotonTracer::addLight(const Light& light, std::vector<float>& weights) {
-  const float weight = lightWeight(light.powerToward(target_));
-  if (!(weight > 0) || !std::isfinite(weight)) return;
-  const float toMedia = media_.radius > 0 ? lightWeight(light.powerToward(media_)) : 0.f;
-  if (toMedia > 0 && toMedia < kSmallShare * weight) {
-    sources_.push_back({&light, Source::Rays::ToMedia});
-    sources_.push_back({&light, Source::Rays::PastMedia});
-    weights.insert(weights.end(), 2, 0.5f * weight);
-  } else {
-    sources_.push_back({&light, Source::Rays::All});
-    weights.push_back(weight);
-  }
+Ball PhotonTracer::mediaToAimAt() const {
+  const Volume* volume = scene_.volume();
+  if (!volume || (request_.wanted & kVolumePhotons).isEmpty()) return {};
+  return ballAround(volume->bounds());
 }
 
 bool PhotonTracer::emit(PathRandom& random, Path& path) const {
-  const Distribution1D::Sample chosen = choice_.sample(random.get1D());
-  EmissionUniforms u;
-  u.point = random.get2D();
-  u.direction = random.get2D();
+  const auto start = sources_.sample(random);
   const float time = lerp(request_.shutter.t0, request_.shutter.t1, random.get1D());
-  path.ray.time = time;
-  const Source& source = sources_[chosen.index];
-  if (!source.light) {
-    if (!emitFromMedia(random, sampleUniformSphere(u.direction), path)) return false;
-  } else {
-    const bool toMedia = source.rays == Source::Rays::ToMedia;
-    const auto emission = source.light->sampleEmission(toMedia ? media_ : target_, u);
-    if (!emission) return false;
-    if (source.rays != Source::Rays::All && meets(media_, *emission) != toMedia) return false;
-    path.ray = Ray{emission->o, emission->d, kInfinity, time};
-    path.power = emission->power;
-  }
-  path.power /= choice_.probability(chosen.index);
-  return largest(path.power) > 0 && path.power.isFinite();
-}
-
-/// A point by the luminance of Le: alpha = 4 pi Le(p) / pdf(p).
-bool PhotonTracer::emitFromMedia(PathRandom& random, const Vec3& direction, Path& path) const {
-  const Volume& volume = *scene_.volume();
-  const Vec3 p = volume.sampleEmission(random.hashed());
-  const Rgb Le = volume.at(p).Le;
-  if (!(lightWeight(Le) > 0)) return false;
-  path.ray = Ray{p, direction, kInfinity, path.ray.time};
-  path.power = Le * (4 * kPi * lightWeight(volume.totalEmission()) / lightWeight(Le));
-  path.stage = Stage::Scattered;
+  if (!start) return false;
+  path.ray = Ray{start->o, start->d, kInfinity, time};
+  path.power = start->power;
+  path.usualPower = start->usualPower;
+  if (start->isInMedium) path.stage = Stage::Scattered;
   return true;
 }
 
@@ -172,7 +126,8 @@ bool PhotonTracer::scatterAtSurface(Path& path, const SurfaceInteraction& at, Ph
   const float uLobe = random.get1D(), uSurvival = random.get1D();
   const Vec2 u = random.get2D();
   ++path.scatterings;
-  const auto sample = bsdf.sample(at.wo, uLobe, u);
+  const bool wantsMedia = !(reachable(Stage::Scattered) & wanted & kVolumePhotons).isEmpty();
+  const auto sample = sampleTowards(bsdf, at, wantsMedia ? media_ : Ball{}, uLobe, u);
   if (!sample || !(sample->pdf > 0)) return false;
 
   // Light travels from wi = at.wo to the sampled direction; the BSDF is symmetric.

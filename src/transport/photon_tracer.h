@@ -7,10 +7,10 @@
 #include <atomic>
 #include <span>
 
-#include "core/sampling.h"
 #include "core/scene.h"
 #include "transport/path_random.h"
 #include "transport/photon.h"
+#include "transport/photon_sources.h"
 
 namespace brume {
 
@@ -40,11 +40,13 @@ struct PhotonSet {
 ///     the factor of shading normals for light that travels forwards (Veach 1997, 5.3)
 ///       |wo.ng| |wi.ns| / (|wi.ng| |wo.ns|),  wi to the light, wo the way the path goes on,
 ///     and (eta_i / eta_o)^2 where it is refracted: radiance is not scaled there (PBRT-v2);
-///   - Russian roulette on the ratio of powers, so that photons have about equal power.
-/// Where the media are much smaller than the scene, half of a light's paths are aimed at the ball
-/// around them, and the others keep clear of it: each ray has one way to be drawn.
-/// Media that emit are one more light, of power 4 pi Int Le dV; no other estimator looks for their
-/// light, so it counts as scattered from the start (SurfaceIndirect, VolumeMultiple).
+///   - Russian roulette below the usual power (PhotonSources), so that photons have about equal
+///     power.
+/// Where the media are much smaller than the scene, paths are aimed at them: at the lights
+/// (PhotonSources), and from surfaces outside of the ball around them, by the balance of a cone
+/// towards it and of the BSDF's own directions.
+/// No other estimator looks for the light of emitting media, so it counts as scattered from the
+/// start (SurfaceIndirect, VolumeMultiple).
 /// A path ends when nothing that is wanted can come of it. Photons that leave the scene are gone.
 /// Immutable and thread-safe. Test: photon_tracer_test.
 class PhotonTracer {
@@ -52,7 +54,7 @@ class PhotonTracer {
   PhotonTracer(const Scene& scene, const PhotonRequest& request);
 
   /// Whether any light sends photons.
-  bool hasLights() const { return !sources_.empty(); }
+  bool hasLights() const { return !sources_.isEmpty(); }
 
   /// Appends the deposits of one path, of the classes `wanted`, as if it were the only path.
   void tracePath(PathRandom random, PhotonClasses wanted, std::vector<Photon>& photons,
@@ -66,24 +68,15 @@ class PhotonTracer {
   struct Path;
   struct Scratch;
   bool emit(PathRandom& random, Path& path) const;
-  bool emitFromMedia(PathRandom& random, const Vec3& direction, Path& path) const;
+  Ball mediaToAimAt() const;
   bool scatterInMedium(Path& path, float t, const Rgb& albedo, PathRandom& random) const;
   bool scatterAtSurface(Path& path, const SurfaceInteraction& at, PhotonClasses wanted,
                         std::vector<Photon>& photons, PathRandom& random) const;
 
-  /// A light and which of its rays are drawn.
-  struct Source {
-    enum class Rays { All, ToMedia, PastMedia };
-    const Light* light = nullptr;  // null: the media
-    Rays rays = Rays::All;
-  };
-  void addLight(const Light& light, std::vector<float>& weights);
-
   const Scene& scene_;
   PhotonRequest request_;
-  Ball target_, media_;
-  std::vector<Source> sources_;
-  Distribution1D choice_;  // over sources_
+  Ball media_;  // around those whose photons are wanted; radius 0: none are
+  PhotonSources sources_;
 };
 
 /// How many photons of each class to store; 0: none of it.

@@ -203,6 +203,36 @@ TEST(PhotonTracer, AimingAtSmallMediaChangesNoExpectation) {
   }
 }
 
+/// Fluence times sigma_t in a small ball of thin fog above a wide white floor under a distant
+/// light: light that the floor sends up.
+const std::string kFogOverFloor =
+    "LightSource \"distant\" \"point from\" [0 1 0] Volume \"homogeneous\" "
+    "\"color sigma_a\" [.01 .01 .01] \"point p0\" [-.5 -.5 4.5] \"point p1\" [.5 .5 5.5] "
+    "Material \"matte\" \"color Kd\" [.5 .5 .5] Translate 0 -1 5 Rotate 90 1 0 0 "
+    "Shape \"disk\" \"float radius\" ";
+
+TEST(PhotonTracer, PhotonsFromAWideFloorAreManyAndOfMuchTheSamePower) {
+  // Floor and shadow: irradiance 1 gives radiosity 1/2, of which a point at height h above the
+  // middle of a disk of radius R meets the fluence 2 pi L (1 - cos) = 1 - cos,
+  // cos = h / sqrt(h^2 + R^2); the box casts a shadow of sigma_t, 1 %.
+  const auto job = sceneOf(kFogOverFloor + "200");
+  const PhotonRequest request{{kVolumePhotons}};
+  const Estimate e = totalPower(job->scene(), request, PhotonClass::VolumeMultiple, 0, 20000);
+  const double expected = 0.01 * (1 - 1 / std::sqrt(1 + 200. * 200));
+  EXPECT_NEAR(e.mean, expected, 4 * e.standardError + 0.012 * expected);
+  EXPECT_LT(e.standardError, 0.1 * expected);
+
+  const PhotonSet photons = tracePaths(job->scene(), request, 400000);
+  double sum = 0, squares = 0;
+  for (const Photon& p : photons.photons)
+    if (p.photonClass() == PhotonClass::VolumeMultiple) {
+      sum += double{p.power.r};
+      squares += sqr(double{p.power.r});
+    }
+  // As many photons of one power would have the same noise.
+  EXPECT_GT(sum * sum / squares, 60);
+}
+
 TEST(PhotonTracer, EmissiveMediaAreLights) {
   // Le = sigma_a B for B = 1 and albedo 1/2: what is emitted is absorbed but for what leaves the
   // thick box, so deposits (power in = absorbed + scattered) are 4 pi Le V / (1 - albedo), less the
