@@ -1,17 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 // What each technique of "volpath" costs and gains, and what many lights cost.
 //
-//   brume_volpath_techniques [SCENE ...]
+//   brume_volpath_techniques [--rounds N] [SCENE ...]
 //
-// Small images of independent samples on one thread. Per setting:
-//   us        processor time per path
-//   noise     sum over pixels of the variance of a pixel (green) / sum of their squared means, of
-//             one sample
+// Small images of independent samples on one thread, the settings of a scene in turn, N times (4)
+// with other seeds. Per setting:
+//   us        processor time per path, the least of the rounds
+//   noise     mean over pixels of the variance of one sample (green) / (mean^2 + (a tenth of the
+//             image's mean)^2), the means of a pixel being those of all settings and rounds
 //   noise*us  halves when the same noise takes half of the time
 //   mean      against that of the first setting: 1 up to noise, as all are unbiased
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cstdlib>
 #include <ctime>
+#include <numeric>
 
 #include "core/log.h"
 #include "core/parallel.h"
@@ -23,7 +27,7 @@ namespace {
 
 using namespace brume;
 
-constexpr int kPixels = 24, kSamples = 64;
+constexpr int kPixels = 24, kSamples = 64, kRounds = 4;
 
 struct TestScene {
   std::string name, world;
@@ -66,6 +70,10 @@ std::vector<TestScene> scenes() {
        "LightSource \"point\" \"point from\" [0 .5 0]\n" + fog("\"color sigma_s\" [.2 .2 .2]"),
        {on, equiangular, towards}});
   result.push_back(
+      {"point-in-haze",
+       "LightSource \"point\" \"point from\" [0 .5 0]\n" + fog("\"color sigma_s\" [.01 .01 .01]"),
+       {on, equiangular, towards}});
+  result.push_back(
       {"point-in-thick-fog",
        "LightSource \"point\" \"point from\" [0 .5 0]\n" + fog("\"color sigma_s\" [2 2 2]"),
        {on, equiangular, towards}});
@@ -73,6 +81,12 @@ std::vector<TestScene> scenes() {
                     "LightSource \"point\" \"point from\" [2 6 0] \"color I\" [9 9 9]\n" + kFloor +
                         fog("\"color sigma_s\" [.5 .5 .5]"),
                     {on, equiangular, towards}});
+  const std::string spark =
+      "Volume \"homogeneous\" \"color Le\" [50000 30000 9000] \"color sigma_a\" [10 10 10]\n"
+      "  \"point p0\" [-.02 .3 -.02] \"point p1\" [.02 .36 .02]\n";
+  result.push_back({"spark", spark + kFloor, {on, emission}});
+  result.push_back(
+      {"spark-in-fog", spark + kFloor + fog("\"color sigma_s\" [.1 .1 .1]"), {on, emission}});
   result.push_back({"flame", flame + kFloor + fog("\"color sigma_s\" [.1 .1 .1]"), {on, emission}});
   result.push_back({"glowing-fog",
                     kFloor + fog("\"color sigma_s\" [1 1 1] \"color Le\" [1 1 1]"),
@@ -81,11 +95,18 @@ std::vector<TestScene> scenes() {
   return result;
 }
 
+/// Sums over the rounds, and for each pixel.
 struct Measured {
-  double us = 0, noise = 0, mean = 0;
+  double us = 1e9;
+  std::vector<double> means, variances;  // of one sample
+
+  double mean() const {
+    return std::accumulate(means.begin(), means.end(), 0.0) / double(means.size());
+  }
 };
 
-Measured measure(const std::string& world, const std::string& params) {
+void measure(const std::string& world, const std::string& params, int seed, int rounds,
+             Measured& sum) {
   const std::string text = fmt::format(
       "LookAt 0 1 6  0 0 0  0 1 0  Camera \"perspective\" \"float fov\" 50\n"
       "Film \"image\" \"integer xresolution\" [{0}] \"integer yresolution\" [{0}]\n"
@@ -96,6 +117,7 @@ Measured measure(const std::string& world, const std::string& params) {
   std::unique_ptr<RenderJob> job;
   RenderSettings settings;
   settings.variance = true;
+  settings.seed = static_cast<std::uint64_t>(seed);
   parseSceneText(text, "bench.pbrt", ".", {}, log, [&](SceneDescription description) {
     job = std::make_unique<RenderJob>(std::move(description), settings, log);
   });
@@ -103,37 +125,58 @@ Measured measure(const std::string& world, const std::string& params) {
   const RenderResult result = job->run(std::atomic<bool>{false}, {});
   const double seconds = double(std::clock() - start) / CLOCKS_PER_SEC;
 
-  Measured m;
   const auto &values = result.image.channels.at("G"),
              &variances = result.image.channels.at("variance.G");
-  double squares = 0, variance = 0;
+  sum.means.resize(values.size());
+  sum.variances.resize(values.size());
   for (std::size_t i = 0; i < values.size(); ++i) {
-    m.mean += double{values[i]} / double(values.size());
-    squares += double{values[i]} * double{values[i]};
-    variance += double{variances[i]} * kSamples;
+    sum.means[i] += double{values[i]} / rounds;
+    sum.variances[i] += double{variances[i]} * kSamples / rounds;
   }
-  m.noise = variance / squares;
-  m.us = seconds * 1e6 / (kPixels * kPixels * kSamples);
-  return m;
+  sum.us = std::min(sum.us, seconds * 1e6 / (kPixels * kPixels * kSamples));
+}
+
+/// What a setting's noise is relative to the pixels' means over all settings.
+double noise(const Measured& m, const std::vector<Measured>& all) {
+  std::vector<double> means(m.means.size(), 0.0);
+  for (const Measured& other : all)
+    for (std::size_t i = 0; i < means.size(); ++i) means[i] += other.means[i] / double(all.size());
+  const double least =
+      0.1 * std::accumulate(means.begin(), means.end(), 0.0) / double(means.size());
+  double sum = 0;
+  for (std::size_t i = 0; i < means.size(); ++i)
+    sum += m.variances[i] / (means[i] * means[i] + least * least);
+  return sum / double(means.size());
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
+  std::vector<std::string> wanted(argv + 1, argv + argc);
+  int rounds = kRounds;
+  if (wanted.size() >= 2 && wanted[0] == "--rounds") {
+    rounds = std::max(1, std::atoi(wanted[1].c_str()));
+    wanted.erase(wanted.begin(), wanted.begin() + 2);
+  }
   setThreadCount(1);
   fmt::print("{:20} {:34} {:>8} {:>10} {:>10} {:>7}\n", "scene", "switched off or changed", "us",
              "noise", "noise*us", "mean");
   for (const TestScene& scene : scenes()) {
-    bool wanted = argc < 2;
-    for (int i = 1; i < argc; ++i) wanted |= scene.name.starts_with(argv[i]);
-    if (!wanted) continue;
-    double first = 0;
-    for (const std::string& setting : scene.settings) {
-      const Measured m = measure(scene.world, setting);
-      if (first == 0) first = m.mean;
+    if (!wanted.empty() && std::ranges::none_of(wanted, [&](const std::string& name) {
+          return scene.name.starts_with(name);
+        }))
+      continue;
+    std::vector<Measured> sums(scene.settings.size());
+    for (int round = 0; round < rounds; ++round)
+      for (std::size_t i = 0; i < sums.size(); ++i)
+        measure(scene.world, scene.settings[i], round, rounds, sums[i]);
+    for (std::size_t i = 0; i < sums.size(); ++i) {
+      const double n = noise(sums[i], sums);
+      const std::string& setting = scene.settings[i];
       fmt::print("{:20} {:34} {:8.2f} {:10.3g} {:10.3g} {:7.3f}\n", scene.name,
-                 setting.empty() ? "-" : setting, m.us, m.noise, m.noise * m.us, m.mean / first);
-      std::fflush(stdout);
+                 setting.empty() ? "-" : setting, sums[i].us, n, n * sums[i].us,
+                 sums[i].mean() / sums[0].mean());
     }
+    std::fflush(stdout);
   }
 }

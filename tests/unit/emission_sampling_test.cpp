@@ -99,6 +99,32 @@ TEST(EmissionSampler, ThickMediaShineByTheirSurface) {
   EXPECT_NEAR(intensity(100), 1.5, 1e-5);   // a quarter of its surface, of radiance 1
 }
 
+TEST(EmissionSampler, KnowsFromWhereItIsSeldomHit) {
+  // Two sparks in a large dark smoke, and a glowing fog as large.
+  test::MediumSpec spec;
+  spec.Le = Rgb(1);
+  std::vector<std::unique_ptr<Volume>> sparks, fog;
+  for (const Vec3& at : {Vec3(-5, 0, 0), Vec3(5, 0, 0)}) {
+    spec.p0 = at - Vec3(.1f);
+    spec.p1 = at + Vec3(.1f);
+    sparks.push_back(test::makeHomogeneous(spec));
+  }
+  spec.p0 = Vec3(-6);
+  spec.p1 = Vec3(6);
+  fog.push_back(test::makeHomogeneous(spec));
+  spec.Le = Rgb(0);
+  spec.sigma_s = Rgb(1);
+  sparks.push_back(test::makeHomogeneous(spec));
+  const Scene withSparks = test::makeMediaScene(std::move(sparks), {}),
+              withFog = test::makeMediaScene(std::move(fog), {});
+  const EmissionSampler few(withSparks), everywhere(withFog);
+  for (const Vec3& p : {Vec3(1, 1, 0), Vec3(0, 3, 2), Vec3(5, 5, 5)}) {
+    EXPECT_TRUE(few.isSeldomHit(p));
+    EXPECT_FALSE(everywhere.isSeldomHit(p));
+  }
+  EXPECT_TRUE(everywhere.isSeldomHit(Vec3(0, 40, 0)));
+}
+
 TEST(EmissionSampler, NothingEmits) {
   std::vector<std::unique_ptr<Volume>> volumes;
   volumes.push_back(test::makeHomogeneous({}));

@@ -6,9 +6,9 @@
 #include "core/registry.h"
 #include "core/sampling.h"
 #include "transport/direct_light.h"
-#include "transport/distance_sampling.h"
 #include "transport/emission_sampling.h"
 #include "transport/light_tree.h"
+#include "transport/segment_lights.h"
 #include "transport/specular.h"
 #include "transport/towards_lights.h"
 
@@ -21,14 +21,6 @@ constexpr int kRouletteStart = 4;
 /// nothing else would end it.
 constexpr int kLongPath = 100'000;
 constexpr float kLongPathSurvival = 0.99f;
-
-/// Lights of the scene that are seen from one point only, and whose light falls off from there.
-std::vector<const Light*> pointLights(const Scene& scene) {
-  std::vector<const Light*> result;
-  for (const Light* light : emittingLights(scene))
-    if (light->isDelta() && light->position()) result.push_back(light);
-  return result;
-}
 
 /// One segment of a path in the media, with the probability of each channel to draw the distance.
 struct Segment {
@@ -122,7 +114,9 @@ class SurfaceVertex {
 /// equiangular distance of every segment (Kulla, Fajardo 2012), and some directions are drawn
 /// around those inside media, so that their surroundings have finite variance. Chromatic media: the
 /// channel that draws the distance is chosen by throughput, and the weight divides by the mean of
-/// the channels' densities, so that it stays bounded. Unbiased. What it cannot find: light of a
+/// the channels' densities, so that it stays bounded. Emitting media are looked at from where they
+/// fill few of the directions, and point lights from segments that flights seldom end on near them:
+/// elsewhere the path finds them by itself. Unbiased. What it cannot find: light of a
 /// point, spot, distant or projection light that arrives through glass or off a mirror. Source:
 /// Novak et al. 2018, Monte Carlo Methods for Volumetric Light Transport Simulation. Test:
 /// volpath_test.
@@ -173,6 +167,9 @@ class VolPath final : public RayGlobalIntegrator {
   };
   using Towards = TowardsLights::Directions;
 
+  static double evenShare(const Params& params) {
+    return params.lights == LightsBy::Even ? 1 : 0.1;
+  }
   static void addLight(PathState& path, PathComponent component, const Rgb& L,
                        RenderContext& context) {
     path.L += L;
@@ -184,9 +181,14 @@ class VolPath final : public RayGlobalIntegrator {
   Rgb transmittance(const Ray& ray) const {
     return scene_.volume() ? scene_.volume()->transmittance(ray) : Rgb(1.f);
   }
+  bool looksAtMedia(const Vec3& p) const {
+    return params_.emissionsampling && !emission_.isEmpty() && emission_.isSeldomHit(p);
+  }
+  const LightTree& lightsFor(const Vec3& p) const {
+    return looksAtMedia(p) ? *lightsAndMedia_ : lights_;
+  }
   Rgb lightBehind(const PathState& path, const std::optional<SurfaceInteraction>& hit) const;
   float emissionWeight(const PathState& path, const MediumAlongRay& medium) const;
-  float equiangularPdf(const Segment& segment, const Light& light, float t) const;
   Rgb equiangularLight(const PathState& path, const Segment& segment, RenderContext& context) const;
   static Flight sampleFlight(PathState& path, const Segment& segment, RenderContext& context);
   template <class Vertex, class PointWeight>
@@ -207,8 +209,9 @@ class VolPath final : public RayGlobalIntegrator {
   const Scene& scene_;
   EmissionSampler emission_;
   TowardsLights towards_;
-  LightTree lights_;       // for vertices
-  LightTree pointLights_;  // for segments
+  LightTree lights_;  // for vertices
+  std::optional<LightTree> lightsAndMedia_;
+  SegmentLights segmentLights_;
 };
 
 VolPath::VolPath(Params params, const FactoryContext& context)
@@ -216,28 +219,30 @@ VolPath::VolPath(Params params, const FactoryContext& context)
       scene_(*context.scene),
       emission_(scene_),
       towards_(scene_),
-      lights_(emittingLights(scene_),
-              {params.emissionsampling && !emission_.isEmpty() ? std::optional(emission_.bounds())
-                                                               : std::nullopt,
-               params.lights == LightsBy::Even ? 1 : 0.1}),
-      pointLights_(pointLights(scene_), {{}, params.lights == LightsBy::Even ? 1 : 0.1}) {}
+      lights_(emittingLights(scene_), {{}, evenShare(params)}),
+      segmentLights_(scene_, evenShare(params)) {
+  if (params.emissionsampling && !emission_.isEmpty())
+    lightsAndMedia_.emplace(emittingLights(scene_),
+                            LightTree::Options{emission_.bounds(), evenShare(params)});
+}
 
 /// Emission of the surface that the ray meets, or of the sky, weighted against the sampling of
 /// lights at the last vertex.
 Rgb VolPath::lightBehind(const PathState& path,
                          const std::optional<SurfaceInteraction>& hit) const {
   const Arrival& from = path.arrival;
+  const LightTree& lights = lightsFor(from.from);
   if (hit) {
     const Rgb Le = emittedRadiance(*hit);
     if (Le.isBlack() || !from.lightIsSampled) return Le;
-    const float choice = lights_.probability(from.receiver, hit->areaLight);
+    const float choice = lights.probability(from.receiver, hit->areaLight);
     if (!(choice > 0)) return Le;  // a light inside an object instance is never sampled
     return Le * powerHeuristic(from.pdf, choice * hit->areaLight->pdfLiAt(from.from, path.ray.d,
                                                                           hit->p, hit->n));
   }
   Rgb L;
   for (const Light* light : scene_.infiniteLights()) {
-    const float lightPdf = from.lightIsSampled ? lights_.probability(from.receiver, light) *
+    const float lightPdf = from.lightIsSampled ? lights.probability(from.receiver, light) *
                                                      light->pdfLi(from.from, path.ray.d)
                                                : 0.f;
     L += light->Le(path.ray) * (lightPdf > 0 ? powerHeuristic(from.pdf, lightPdf) : 1.f);
@@ -247,19 +252,9 @@ Rgb VolPath::lightBehind(const PathState& path,
 
 /// Of the media's emission along the present ray, against looking at it from the last vertex.
 float VolPath::emissionWeight(const PathState& path, const MediumAlongRay& medium) const {
-  if (!path.arrival.lightIsSampled || !params_.emissionsampling) return 1;
-  const float choice = lights_.probability(path.arrival.receiver, nullptr);
+  if (!path.arrival.lightIsSampled || !looksAtMedia(path.arrival.from)) return 1;
+  const float choice = lightsAndMedia_->probability(path.arrival.receiver, nullptr);
   return powerHeuristic(path.arrival.pdf, choice * emission_.pdf(path.ray, medium));
-}
-
-/// Density with which equiangularLight looks at this light from t, its choice included.
-float VolPath::equiangularPdf(const Segment& segment, const Light& light, float t) const {
-  if (!params_.equiangular || !light.position()) return 0;
-  const Ray& ray = segment.medium.ray();
-  const Interval range = segment.medium.range(), part = light.illuminated(ray, range);
-  if (part.isEmpty() || !(t >= part.t0 && t <= part.t1)) return 0;
-  return pointLights_.probability(RayReceiver(ray, range), &light) *
-         EquiangularSampler(ray, part, *light.position()).pdf(t);
 }
 
 /// Light of a source with a position, scattered at a distance that is drawn evenly in the angle
@@ -268,27 +263,22 @@ float VolPath::equiangularPdf(const Segment& segment, const Light& light, float 
 /// heuristic against the light that is sampled at the end of the free flight.
 Rgb VolPath::equiangularLight(const PathState& path, const Segment& segment,
                               RenderContext& context) const {
-  if (!params_.equiangular || pointLights_.isEmpty()) return {};
+  if (!params_.equiangular || !segmentLights_.mayHelp(segment.medium, segment.channels)) return {};
   const float uChoice = context.samples.get1D(), uDistance = context.samples.get1D();
-  const Interval range = segment.medium.range();
-  const auto choice = pointLights_.choose(RayReceiver(path.ray, range), uChoice);
-  if (!choice) return {};
-  const Interval part = choice->light->illuminated(path.ray, range);
-  if (part.isEmpty()) return {};
-  const DistanceSample at =
-      EquiangularSampler(path.ray, part, *choice->light->position()).sample(uDistance);
-  const MediumCoefficients medium = segment.medium.at(at.t);
-  if (!(at.pdf > 0) || medium.sigma_s.isBlack()) return {};
+  const auto at = segmentLights_.sample(segment.medium, segment.channels, uChoice, uDistance);
+  if (!at) return {};
+  const MediumCoefficients medium = segment.medium.at(at->t);
+  if (!(at->pdf > 0) || medium.sigma_s.isBlack()) return {};
 
   context.stats.add(Stat::VolumeSamples);
-  const MediumVertex vertex(scene_, path.ray, at.t, path.throughput * medium.sigma_s);
-  const auto light = choice->light->sampleLi(vertex.p(), Vec2(.5f));
+  const MediumVertex vertex(scene_, path.ray, at->t, path.throughput * medium.sigma_s);
+  const auto light = at->light->sampleLi(vertex.p(), Vec2(.5f));
   if (!light || light->L.isBlack()) return {};
   const Ray shadow = vertex.shadowRay(*light);
   if (scene_.isOccluded(shadow, context.stats)) return {};
-  const float pdf = choice->probability * at.pdf +
-                    lights_.probability(vertex.receiver(), choice->light) * segment.flightPdf(at.t);
-  return path.throughput * segment.medium.transmittance(at.t) * medium.sigma_s * light->L *
+  const float pdf = at->pdf + lightsFor(vertex.p()).probability(vertex.receiver(), at->light) *
+                                  segment.flightPdf(at->t);
+  return path.throughput * segment.medium.transmittance(at->t) * medium.sigma_s * light->L *
          transmittance(shadow) * vertex.evaluate(light->wi).f / pdf;
 }
 
@@ -327,7 +317,7 @@ Rgb VolPath::sampleLight(const Vertex& vertex, const Towards& towards, PointWeig
                          RenderContext& context) const {
   const float uChoice = context.samples.get1D();
   const Vec2 u = context.samples.get2D();
-  const auto choice = lights_.choose(vertex.receiver(), uChoice);
+  const auto choice = lightsFor(vertex.p()).choose(vertex.receiver(), uChoice);
   if (!choice) return {};
   if (!choice->light) return sampleEmission(vertex, towards, choice->probability, u, context);
   const auto light = choice->light->sampleLi(vertex.p(), u);
@@ -351,9 +341,12 @@ Rgb VolPath::sampleEmission(const Vertex& vertex, const Towards& towards, float 
   if (!wi) return {};
   const BsdfValue value = vertex.evaluate(*wi);
   if (value.f.isBlack()) return {};
+  // Up to where nothing emits any more.
   FootprintRay ray(vertex.spawn(*wi));
-  const auto hit = scene_.intersect(ray, context.stats);
-  if (hit) ray.tMax = distance(ray.o, hit->p);
+  const auto emitting = emission_.emittersAlong(ray);
+  if (!emitting) return {};
+  ray.tMax = emitting->t1;
+  if (const auto hit = scene_.intersect(ray, context.stats)) ray.tMax = distance(ray.o, hit->p);
   const auto range = scene_.volume()->intersect(ray);
   if (!range) return {};
   thread_local MediumAlongRay medium;  // reused, so that its memory is
@@ -439,10 +432,10 @@ Rgb VolPath::Li(const FootprintRay& cameraRay, int, RenderContext& context) cons
     if (range) {
       segment.medium.assign(*scene_.volume(), path.ray, *range);
       behind *= segment.medium.transmittance();
-      if (!emission_.isEmpty())
+      const Rgb emitted = emission_.isEmpty() ? Rgb() : segment.medium.emission();
+      if (!emitted.isBlack())
         addLight(path, path.component,
-                 path.throughput * segment.medium.emission() * emissionWeight(path, segment.medium),
-                 context);
+                 path.throughput * emitted * emissionWeight(path, segment.medium), context);
       context.stats.add(Stat::VolumeSegments);
     }
     addLight(path, path.component, path.throughput * behind, context);
@@ -462,8 +455,10 @@ Rgb VolPath::Li(const FootprintRay& cameraRay, int, RenderContext& context) cons
     ++path.scatterings;
     if (path.throughput.isBlack()) break;
     const auto flightWeight = [&](const LightTree::Choice& choice) {
+      if (!params_.equiangular) return 1.f;
       const float here = choice.probability * flight.pdf;
-      return here / (here + equiangularPdf(segment, *choice.light, *flight.t));
+      return here / (here + segmentLights_.pdf(segment.medium, segment.channels, *choice.light,
+                                               *flight.t));
     };
     if (flight.t) context.stats.add(Stat::VolumeSamples);
     const bool goesOn =
