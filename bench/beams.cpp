@@ -287,6 +287,29 @@ countInBeam(const Beam& beam, const PhotonArrays& photons) {
   return n;
 }
 
+/// What the report's program did: every photon against every beam, and what is inside evaluated.
+/// Returns the number of pairs.
+std::uint64_t scanAndEvaluate(std::span<const Beam> beams, std::span<const BeamPhoton> photons,
+                              std::span<BeamSum> sums) {
+  std::uint64_t pairs = 0;
+  for (std::size_t b = 0; b < beams.size(); ++b) {
+    const Beam& beam = beams[b];
+    const float radius2 = sqr(beam.radius);
+    for (const BeamPhoton& photon : photons) {
+      const BeamFoot<float> foot = beamFoot(beam.o, beam.d, photon.p);
+      if (!isInBeam(foot, {beam.t0, beam.t1}, radius2)) continue;
+      const Rgb Tr = exp(-kSigmaT * (foot.t - beam.t0));
+      const float denominator = 1 + kG * kG + 2 * kG * dot(photon.w, beam.d);
+      const float phase = kInv4Pi * (1 - kG * kG) / (denominator * std::sqrt(denominator));
+      const float K2 = 3 * kInvPi / radius2 * sqr(1 - foot.d2 / radius2);
+      const Rgb L = Tr * photon.power * (phase * K2);
+      sums[b] += BeamSum{double{L.r}, double{L.g}, double{L.b}, 1};
+      ++pairs;
+    }
+  }
+  return pairs;
+}
+
 /// The report's experiment: 10,000 photons, 512 x 512 beams. False when the lookups disagree.
 bool report(const Sizes& sizes) {
   const View view{sizes.side};
@@ -313,19 +336,27 @@ bool report(const Sizes& sizes) {
     treePairs = 0;
     tree.findPairs(positions, count, &treePairs);
   });
-  std::vector<BeamSum> sums(beams.size());
-  const double gathered = bestOf(40, [&] { gatherHomogeneous(tree, photons, kSigmaT, sums); });
+  std::vector<BeamSum> sums(beams.size()), plainSums(beams.size());
+  std::uint64_t evaluatedPairs = 0;
+  const double evaluated =
+      bestOf(1, [&] { evaluatedPairs = scanAndEvaluate(beams, photons, plainSums); });
+  const double gathered = bestOf(100, [&] { gatherHomogeneous(tree, photons, kSigmaT, sums); });
+  std::fill(sums.begin(), sums.end(), BeamSum{});
+  gatherHomogeneous(tree, photons, kSigmaT, sums);
 
   fmt::print("| lookup | ms | plain scan / this | pairs |\n|---|---|---|---|\n");
-  const auto row = [&](const char* name, double seconds, std::uint64_t n) {
-    fmt::print("| {} | {:.2f} | {:.0f} | {} |\n", name, 1e3 * seconds, plain / seconds, n);
+  const auto row = [&](const char* name, double of, double seconds, std::uint64_t n) {
+    fmt::print("| {} | {:.2f} | {:.0f} | {} |\n", name, 1e3 * seconds, of / seconds, n);
   };
-  row("plain scan, beam by beam", plain, pairs);
-  row("the same in vectors of 8", vectors, vectorPairs);
-  row("quadtree: pairs", found, treePairs);
-  row("quadtree: pairs and their evaluation", gathered, pairs);
-  row("quadtree: evaluation, and the build of the tree", gathered + build, pairs);
-  return treePairs == pairs && pairs > 0;
+  row("plain scan, beam by beam: pairs", plain, plain, pairs);
+  row("the same in vectors of 8", plain, vectors, vectorPairs);
+  row("quadtree: pairs", plain, found, treePairs);
+  row("plain scan, beam by beam: pairs and their evaluation", evaluated, evaluated, evaluatedPairs);
+  row("quadtree: pairs and their evaluation", evaluated, gathered, countOf(sums));
+  row("quadtree: evaluation, and the build of the tree", evaluated, gathered + build,
+      countOf(sums));
+  fmt::print("<!-- sums {:.7g} {:.7g} -->\n", totalOf(plainSums), totalOf(sums));
+  return treePairs == pairs && evaluatedPairs == pairs && countOf(sums) == pairs && pairs > 0;
 }
 
 /// One row of the growth table. Photons come in batches, as a pass has them.

@@ -144,6 +144,7 @@ std::size_t batchSize(const BeamTreeView& tree, const PhotonPositions& photons) 
 BeamQuadtree::BeamQuadtree(std::span<const Beam> beams, Vec2i resolution) {
   for (const Beam& beam : beams) checkBeam(beam);
   build(beams, cellsOnImage(beams, resolution), {});
+  findTileStarts();
 }
 
 BeamQuadtree BeamQuadtree::inSpace(std::span<const Beam> beams) {
@@ -158,6 +159,7 @@ BeamQuadtree BeamQuadtree::inSpace(std::span<const Beam> beams) {
     tree.pieceStarts_[slot / kLanes][slot % kLanes] = beam == kNoBeam ? kInfinity : beams[beam].t0;
   }
   tree.view_.pieceStarts = tree.pieceStarts_.data();
+  tree.findTileStarts();
   return tree;
 }
 
@@ -230,6 +232,28 @@ void BeamQuadtree::buildLevels(std::vector<BeamFrustum> frusta) {
   for (std::size_t i = 0; i < levels_.size(); ++i) view_.levels[i] = levels_[i].data();
 }
 
+void BeamQuadtree::findTileStarts() {
+  tileStarts_.resize(tileCount());
+  forEachChunk(static_cast<std::int64_t>(tileCount()), 1,
+               [&](std::int64_t, std::int64_t, std::int64_t chunk) {
+                 const auto tile = static_cast<std::size_t>(chunk);
+                 BeamTreeView::Row first, last;
+                 first.fill(kInfinity);
+                 last.fill(-kInfinity);
+                 const BlockRange blocks = blocksOf(tile);
+                 for (std::uint32_t b = blocks.begin; b < blocks.end; ++b) {
+                   // Places without a beam start at infinity.
+                   const BeamTreeView::Row& starts = view_.startsOf(b);
+                   for (std::size_t i = 0; i < kLanes; ++i) {
+                     first[i] = std::min(first[i], starts[i]);
+                     last[i] = std::max(last[i], starts[i] == kInfinity ? -kInfinity : starts[i]);
+                   }
+                 }
+                 tileStarts_[tile] = {*std::min_element(first.begin(), first.end()),
+                                      *std::max_element(last.begin(), last.end())};
+               });
+}
+
 BlockRange BeamQuadtree::blocksOf(std::size_t tile) const {
   const std::size_t cellCount = blockBegin_.size() - 1;
   const std::size_t cells = view_.cellsPerTile();
@@ -273,6 +297,7 @@ void BeamQuadtree::forEachTile(const PhotonPositions& photons, const TileBody& b
 std::size_t BeamQuadtree::memoryBytes() const {
   std::size_t bytes = sizeof(*this) + blocks_.capacity() * sizeof(Block) +
                       pieceStarts_.capacity() * sizeof(BeamTreeView::Row) +
+                      tileStarts_.capacity() * sizeof(Interval) +
                       (blockBegin_.capacity() + slotBeams_.capacity()) * sizeof(std::uint32_t);
   for (const auto& level : levels_) bytes += level.capacity() * sizeof(Node);
   return bytes;

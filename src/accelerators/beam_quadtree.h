@@ -86,6 +86,8 @@ class BeamQuadtree final : public BeamLookup {
   std::size_t tileCount() const { return levels_[view_.tileLevel].size(); }
   /// The blocks of a tile; slot = 8 * block + lane.
   BlockRange blocksOf(std::size_t tile) const;
+  /// The first and the last t at which beams of a tile start; t0 > t1 when it has none.
+  Interval startsIn(std::size_t tile) const { return tileStarts_[tile]; }
 
   /// Calls body(tile, indices) for tiles and the photons that may be inside their beams, tiles in
   /// parallel, the photons of one tile in order, in one or several calls one after another.
@@ -104,11 +106,13 @@ class BeamQuadtree final : public BeamLookup {
   BeamFrustum fillCell(std::size_t cell, std::span<const Beam> beams, const BeamCells& cells,
                        std::span<const std::uint32_t> owners);
   void buildLevels(std::vector<BeamFrustum> frusta);
+  void findTileStarts();
 
   std::vector<Block> blocks_;
   std::vector<std::uint32_t> blockBegin_;
   std::vector<std::vector<Node>> levels_;
   std::vector<BeamTreeView::Row> pieceStarts_;
+  std::vector<Interval> tileStarts_;
   BeamTreeView view_;
 };
 

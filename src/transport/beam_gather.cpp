@@ -13,6 +13,9 @@ namespace {
 /// rounding of a sum stays about 1e-6 of it.
 constexpr std::size_t kPhotonsInFloat = 4096;
 
+/// Blocks by which fetchAhead() runs before their sums are added.
+constexpr std::uint32_t kBlocksAhead = 4;
+
 /// The sums of one block's beams, before what is the same for all photons of a beam.
 struct alignas(32) BlockSums {
   std::array<std::array<float, kLanes>, 3> L{};
@@ -43,6 +46,7 @@ struct TileGather {
   float reach;   ///< way by which a transmittance is continued; below 0: none is
   float tStart;  ///< transmittance is counted from here on all beams of the tile...
   bool isWide;   ///< ...unless they start too far apart: then each from its own start
+  bool isEven;   ///< all beams start at tStart
   bool isGray;   ///< sigma_t is the same in all channels
   BlockSums* sums;
 };
@@ -105,13 +109,7 @@ TileGather makeTileGather(const BeamQuadtree& tree, std::size_t tile, const Rgb&
                           std::vector<BlockSums>& sums) {
   const BlockRange blocks = tree.blocksOf(tile);
   sums.resize(blocks.end - blocks.begin);
-  float first = kInfinity, last = -kInfinity;
-  for (std::uint32_t b = blocks.begin; b < blocks.end; ++b)
-    for (const float t : tree.view().startsOf(b)) {
-      if (t == kInfinity) continue;  // no beam
-      first = std::min(first, t);
-      last = std::max(last, t);
-    }
+  const auto [first, last] = tree.startsIn(tile);
   TileGather gather{};
   gather.tile = tile;
   gather.blocks = blocks;
@@ -119,6 +117,7 @@ TileGather makeTileGather(const BeamQuadtree& tree, std::size_t tile, const Rgb&
   gather.tStart = first;
   gather.isWide = (last - first) * sigma_t.maxChannel() > kWideDepth;
   gather.reach = gather.isWide ? -1.f : kSeriesReach / sigma_t.maxChannel();
+  gather.isEven = first == last;
   gather.isGray = sigma_t.r == sigma_t.g && sigma_t.g == sigma_t.b;
   gather.sums = sums.data();
   return gather;
@@ -135,6 +134,17 @@ void gatherSome(const BeamQuadtree& tree, const TileGather& gather,
     else
       generic::gatherGroup(tree.view(), gather, photons, group, scratch);
     indices = indices.subspan(group.size());
+  }
+}
+
+/// Asks the memory for the sums that a block goes to: they stand in the order of the image, blocks
+/// in Morton order, which no processor guesses.
+void fetchAhead(std::uint32_t b, std::span<BeamSum> sums,
+                std::span<const std::uint32_t> sumOfSlot) {
+  if (sumOfSlot.empty()) return;
+  for (std::size_t i = 0; i < kLanes; i += 2) {
+    const std::uint32_t index = sumOfSlot[b * kLanes + i];
+    if (index != BeamLookup::kNoBeam) __builtin_prefetch(&sums[index], 1);
   }
 }
 
@@ -166,8 +176,10 @@ void gatherTile(const BeamQuadtree& tree, std::size_t tile, std::span<const Beam
     const auto some = indices.first(std::min(indices.size(), kPhotonsInFloat));
     indices = indices.subspan(some.size());
     gatherSome(tree, gather, photons, some);
-    for (std::uint32_t b = gather.blocks.begin; b < gather.blocks.end; ++b)
+    for (std::uint32_t b = gather.blocks.begin; b < gather.blocks.end; ++b) {
+      if (b + kBlocksAhead < gather.blocks.end) fetchAhead(b + kBlocksAhead, sums, sumOfSlot);
       flush(tree, gather, b, sums, sumOfSlot);
+    }
   }
 }
 

@@ -12,8 +12,8 @@ BRUME_KERNEL inline Lanes weightOf(const BeamTreeView::Block& block, const Photo
   const Lanes ex = load(block.dx) + Lanes::all(photon.w.x);
   const Lanes ey = load(block.dy) + Lanes::all(photon.w.y);
   const Lanes ez = load(block.dz) + Lanes::all(photon.w.z);
-  const Lanes denominator = Lanes::all(photon.oneMinusA2) +
-                            Lanes::all(photon.a) * (ex * ex + ey * ey + ez * ez);
+  const Lanes denominator =
+      Lanes::all(photon.oneMinusA2) + Lanes::all(photon.a) * (ex * ex + ey * ey + ez * ez);
   return q * q / (denominator * sqrt(denominator));
 }
 
@@ -27,8 +27,7 @@ BRUME_KERNEL inline void addNear(const PhotonState& photon, const Lanes& weight,
                                  BlockSums& sums) {
   const Lanes gray = kGray ? weight * seriesAt(photon.series[0], x) : weight;
   for (std::size_t c = 0; c < 3; ++c) {
-    const Lanes L =
-        gray * (kGray ? Lanes::all(photon.power[c]) : seriesAt(photon.series[c], x));
+    const Lanes L = gray * (kGray ? Lanes::all(photon.power[c]) : seriesAt(photon.series[c], x));
     (Lanes::load(sums.L[c].data()) + L).store(sums.L[c].data());
   }
 }
@@ -140,8 +139,7 @@ BRUME_KERNEL inline void gatherGroup(const BeamTreeView& tree, const TileGather&
                                      GroupScratch& scratch) {
   std::array<Vec3, kPhotonGroup> positions;
   for (std::size_t i = 0; i < indices.size(); ++i) positions[i] = photons[indices[i]].p;
-  const auto pairs =
-      findCells(tree, tile.tile, {positions.data(), indices.size()}, scratch.lists);
+  const auto pairs = findCells(tree, tile.tile, {positions.data(), indices.size()}, scratch.lists);
   const std::size_t n = prepareGroup(tree, tile, photons, indices, pairs, scratch.states.data(),
                                      scratch.cells.data());
   const std::span<const PhotonState> states(scratch.states.data(), n);
@@ -163,9 +161,10 @@ BRUME_KERNEL inline void gatherGroup(const BeamTreeView& tree, const TileGather&
 BRUME_KERNEL inline void finishBlock(const BeamTreeView& tree, const TileGather& tile,
                                      std::uint32_t b, BlockSums& sums) {
   const Lanes peak = load(tree.blocks[b].inverseRadius2) * Lanes::all(3.f * kInvPi);
+  const bool isCounted = !tile.isWide && !tile.isEven;
   for (std::size_t c = 0; c < 3; ++c) {
     Lanes L = Lanes::load(sums.L[c].data()) * peak;
-    if (!tile.isWide) {
+    if (isCounted) {
       const Lanes before = load(tree.startsOf(b)) - Lanes::all(tile.tStart);
       L = L * expOf(before * Lanes::all(tile.sigma_t[c]));
     }
