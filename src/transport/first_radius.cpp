@@ -3,116 +3,290 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <span>
 
-#include "accelerators/beam_photon.h"
-#include "accelerators/photon_kdtree.h"
+#include "accelerators/beam_quadtree.h"
 #include "core/camera.h"
 #include "core/film.h"
 #include "core/medium_along_ray.h"
+#include "transport/beam_radiance.h"
+#include "transport/camera_beams.h"
+#include "transport/surface_photon_map.h"
 
 namespace brume {
 namespace {
 
-constexpr int kProbesPerAxis = 16;          // pixels that are looked through, along either axis
-constexpr std::size_t kMaxPhotons = 16384;  // that are looked at
-constexpr std::size_t kNearest = 64;        // photons per beam whose transmittance is looked up
-constexpr double kEnough = 8;               // of them, weighted, for an estimate
-constexpr double kLargest = 0.05;           // of the media's diagonal
-constexpr double kDefault = 0.01;           // of the scene's diagonal
+constexpr int kProbesPerAxis = 24;       // pixels that are looked through, along either axis
+constexpr int kSteps = 16;               // of the ladder; each halves r^2
+constexpr int kDown = 2;                 // steps from a radius to the one it is compared with
+constexpr double kMostInPilot = 1000;    // photons of a half that the ladder begins with
+constexpr double kLargest = 0.1;         // of the media's diagonal
+constexpr double kDefault = 0.01;        // of the scene's diagonal
+constexpr double kPairsPerSegment = 50;  // of photons and beams, in the time of a path segment
+constexpr double kMayHide = 2;           // standard errors
+constexpr double kStandsOut = 4;         // standard errors
+constexpr std::size_t kNearestPhotons = 64;
+constexpr std::size_t kMaxPhotons = 65536;  // that are looked at
 
-/// Every n-th position of one kind of photon.
-struct Sample {
-  std::vector<Vec3> points;
-  double perPoint = 1;  // photons given for each of these
-};
-Sample sampleOf(std::span<const Photon> photons, bool onSurface) {
-  std::vector<Vec3> all;
-  for (const Photon& photon : photons)
-    if (photon.isOnSurface() == onSurface) all.push_back(photon.p);
-  const std::size_t step = (all.size() + kMaxPhotons - 1) / kMaxPhotons;
-  Sample sample;
-  for (std::size_t i = 0; i < all.size(); i += std::max<std::size_t>(1, step))
-    sample.points.push_back(all[i]);
-  if (!sample.points.empty())
-    sample.perPoint = static_cast<double>(all.size()) / static_cast<double>(sample.points.size());
-  return sample;
-}
+/// The light of one half of the photons in each probed pixel, for one step of the ladder.
+using PixelLight = std::vector<Rgb>;
+struct Ladder {
+  double largest = 0;  // radius of step 0
+  std::array<std::array<PixelLight, kSteps>, 2> light;
 
-/// Squared radius around the ray that holds `count` of the points, weighted by transmittance; from
-/// the nearest ones, their number growing like the area.
-std::optional<double> radius2Along(const MediumAlongRay& medium, std::span<const Vec3> points,
-                                   double count, std::vector<BeamFoot<float>>& feet) {
-  const Ray& ray = medium.ray();
-  const Interval range = medium.occupied();
-  feet.clear();
-  for (const Vec3& p : points) {
-    const BeamFoot<float> foot = beamFoot(ray.o, ray.d, p);
-    if (foot.t >= range.t0 && foot.t <= range.t1) feet.push_back(foot);
+  explicit Ladder(double r, std::size_t probes) : largest(r) {
+    for (auto& half : light)
+      for (PixelLight& step : half) step.resize(probes);
   }
-  if (feet.empty()) return std::nullopt;
-  const std::size_t n = std::min(kNearest, feet.size());
-  std::partial_sort(feet.begin(), feet.begin() + static_cast<std::ptrdiff_t>(n), feet.end(),
-                    [](const auto& a, const auto& b) { return a.d2 < b.d2; });
-  double weight = 0;
-  std::size_t i = 0;
-  while (i < n && weight < kEnough) weight += double{medium.transmittance(feet[i++].t).average()};
-  return double{feet[i - 1].d2} * count / weight;
+  double radius(int step) const { return largest * std::pow(0.5, 0.5 * step); }
+};
+
+/// Follows the camera path of every probed pixel.
+class Probes {
+ public:
+  Probes(const PassContext& context, const CameraPaths& paths) : context_(context), paths_(paths) {
+    const Bounds2i pixels = context.film.sampleBounds();
+    const Vec2i n{std::min(kProbesPerAxis, pixels.width()),
+                  std::min(kProbesPerAxis, pixels.height())};
+    for (int y = 0; y < n.y; ++y)
+      for (int x = 0; x < n.x; ++x)
+        pixels_.push_back(pixels.lo + Vec2i{(2 * x + 1) * pixels.width() / (2 * n.x),
+                                            (2 * y + 1) * pixels.height() / (2 * n.y)});
+  }
+  std::size_t size() const { return pixels_.size(); }
+
+  /// `visitor.start(i)` before each path; returns what needs no photons.
+  template <class Visitor>
+  PixelLight follow(Visitor& visitor) const {
+    const auto sampler = context_.sampler.makePixelSampler(context_.seed);
+    RenderContext render{*sampler, context_.stats};
+    PixelLight light;
+    for (std::size_t i = 0; i < pixels_.size(); ++i) {
+      sampler->startPixel(pixels_[i]);
+      FootprintRay ray = context_.camera.generateRay(sampler->startSample(0));
+      if (!context_.footprints) ray.differential.reset();
+      visitor.start(static_cast<std::uint32_t>(i));
+      light.push_back(paths_.follow(ray, visitor, render));
+    }
+    return light;
+  }
+
+ private:
+  const PassContext& context_;
+  const CameraPaths& paths_;
+  std::vector<Vec2i> pixels_;
+};
+
+/// Keeps beams and visible points.
+class Collector final : public CameraPathVisitor {
+ public:
+  void start(std::uint32_t probe) { probe_ = probe; }
+  void onSegment(const MediumAlongRay& medium, const Rgb& weight, int) override {
+    const Interval range = medium.range();
+    beams.beams.push_back({medium.ray().o, range.t0, medium.ray().d, range.t1, 0, probe_});
+    beams.owners.push_back({probe_, weight, medium.ray().time});
+  }
+  void onSurface(const SurfaceInteraction& at, const Bsdf&, const Rgb&) override {
+    points.push_back(at.p);
+  }
+
+  OwnedBeams beams;
+  std::vector<Vec3> points;
+
+ private:
+  std::uint32_t probe_ = 0;
+};
+
+/// Looks up the photons of surfaces.
+class SurfaceLight final : public CameraPathVisitor {
+ public:
+  SurfaceLight(std::span<const SurfacePhotonMap, 2> maps, Ladder& ladder)
+      : maps_(maps), ladder_(ladder) {}
+  void start(std::uint32_t probe) { probe_ = probe; }
+  void onSegment(const MediumAlongRay&, const Rgb&, int) override {}
+  void onSurface(const SurfaceInteraction& at, const Bsdf& bsdf, const Rgb& weight) override {
+    for (std::size_t half = 0; half < 2; ++half)
+      for (int k = 0; k < kSteps; ++k)
+        ladder_.light[half][static_cast<std::size_t>(k)][probe_] +=
+            weight * maps_[half].radiance(at, bsdf, static_cast<float>(ladder_.radius(k)));
+  }
+
+ private:
+  std::span<const SurfacePhotonMap, 2> maps_;
+  Ladder& ladder_;
+  std::uint32_t probe_ = 0;
+};
+
+/// Adds what the beams gather with one radius; returns the photons per beam.
+double gatherWith(const Scene& scene, OwnedBeams& beams, double radius,
+                  const VolumePhotons& photons, PixelLight& light) {
+  for (Beam& beam : beams.beams) beam.radius = static_cast<float>(radius);
+  const BeamQuadtree tree = BeamQuadtree::inSpace(beams.beams);
+  const std::vector<BeamSum> sums = gatherBeams(*scene.volume(), beams, tree, photons);
+  double pairs = 0;
+  for (std::size_t i = 0; i < sums.size(); ++i) {
+    const BeamSum& sum = sums[i];
+    const Rgb L(static_cast<float>(sum.r), static_cast<float>(sum.g), static_cast<float>(sum.b));
+    light[beams.owners[i].sample] += beams.owners[i].weight * L;
+    pairs += static_cast<double>(sum.count);
+  }
+  return pairs / static_cast<double>(sums.size());
 }
+
+/// v and c^2 of one ladder. Weights make both relative to the brightness of pixels.
+struct Balance {
+  double v = 0, c2 = 0;
+};
+
+/// Mean and its standard error.
+struct Mean {
+  double sum = 0, squares = 0;
+  std::size_t n = 0;
+  void add(double x) { sum += x, squares += x * x, ++n; }
+  double mean() const { return sum / static_cast<double>(n); }
+  double error() const {
+    return std::sqrt(std::max(0., squares / static_cast<double>(n) - sqr(mean())) /
+                     static_cast<double>(n));
+  }
+};
+
+std::optional<Balance> balanceOf(const Ladder& ladder, std::span<const double> weights) {
+  std::optional<Balance> found;
+  const double gap2 = sqr(1 - std::pow(0.5, kDown));
+  for (int k = 0; k + kDown < kSteps; ++k) {
+    const auto at = static_cast<std::size_t>(k);
+    const auto &A = ladder.light[0][at], &B = ladder.light[1][at];
+    const auto &As = ladder.light[0][at + kDown], &Bs = ladder.light[1][at + kDown];
+    Mean variance, blur;
+    for (std::size_t i = 0; i < weights.size(); ++i) {
+      double dAB = 0, product = 0;
+      for (int c = 0; c < 3; ++c) {
+        dAB += sqr(double{A[i][c]} - double{B[i][c]});
+        product += (double{A[i][c]} - double{As[i][c]}) * (double{B[i][c]} - double{Bs[i][c]});
+      }
+      variance.add(weights[i] * dAB / 6);
+      blur.add(weights[i] * product / (3 * gap2));
+    }
+    if (!(variance.mean() > 0)) continue;
+    const double r2 = sqr(ladder.radius(k));
+    const bool standsOut = blur.mean() > kStandsOut * blur.error();
+    if (found && !standsOut) break;
+    const double b2 = standsOut ? blur.mean() : std::max(0., blur.mean()) + kMayHide * blur.error();
+    found = Balance{variance.mean() * r2, b2 / sqr(r2)};
+    if (!standsOut) break;
+  }
+  return found;
+}
+
+/// Two halves of a pilot's photons by the order of their paths, each as if it were all; of many,
+/// every n-th.
+struct Halves {
+  std::array<std::vector<Photon>, 2> photons;
+  double paths = 0;  // of a half
+
+  explicit Halves(const PhotonSet& pilot) {
+    const std::size_t n = pilot.photons.size(), step = n / kMaxPhotons + 1, half = (n / step) / 2;
+    if (half == 0) return;
+    const double share = static_cast<double>(half) / static_cast<double>(n);
+    for (std::size_t i = 0; i < 2 * half; ++i) {
+      Photon photon = pilot.photons[i * step];
+      photon.power /= static_cast<float>(share);
+      photons[i / half].push_back(photon);
+    }
+    paths = share * static_cast<double>(*std::max_element(pilot.paths.begin(), pilot.paths.end()));
+  }
+};
 
 std::optional<double> median(std::vector<double>& values) {
-  std::erase_if(values, [](double v) { return !(v > 0) || !std::isfinite(v); });
   if (values.empty()) return std::nullopt;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
 }
 
-/// The camera ray through the middle of a pixel on the grid.
-FootprintRay probe(const PassContext& context, const Bounds2i& pixels, int x, int y) {
-  CameraSample sample;
-  sample.raster = Vec2(pixels.lo) +
-                  Vec2(Vec2d(x + 0.5, y + 0.5) / double{kProbesPerAxis}) *
-                      Vec2(static_cast<float>(pixels.width()), static_cast<float>(pixels.height()));
-  sample.lens = Vec2(0.5f);
-  sample.time = 0.5f;
-  FootprintRay ray = context.camera.generateRay(sample);
-  ray.differential.reset();
-  return ray;
+/// The radius that holds kNearestPhotons around a visible point.
+std::optional<double> surfaceReach(const SurfacePhotonMap& map, std::span<const Vec3> points) {
+  std::vector<double> reach;
+  std::array<Neighbour, kNearestPhotons> found;
+  for (const Vec3& p : points)
+    if (map.tree().nearest(p, found) == found.size())
+      reach.push_back(double{found.front().distance2()});
+  const auto middle = median(reach);
+  return middle ? std::optional(std::sqrt(*middle)) : std::nullopt;
+}
+
+/// Relative to the brightness of each pixel, as Film::estimatedRelativeError.
+std::vector<double> weightsOf(const PixelLight& light) {
+  double mean = 0;
+  for (const Rgb& L : light) mean += double{L.average()} / static_cast<double>(light.size());
+  std::vector<double> weights;
+  for (const Rgb& L : light) {
+    const double square = sqr(double{L.average()}) + kDarkShare * sqr(mean);
+    weights.push_back(square > 0 ? 1 / square : 0);
+  }
+  return weights;
 }
 
 }  // namespace
 
-FirstRadii firstRadii(const Scene& scene, const PassContext& context,
-                      std::span<const Photon> photons, double perPhoton) {
-  const Sample inMedia = sampleOf(photons, false), onSurfaces = sampleOf(photons, true);
-  const PhotonKdTree surfaceTree{StridedPoints(onSurfaces.points)};
-  const double beamCount = kPhotonsPerBeam / (perPhoton * inMedia.perPoint),
-               pointCount = kPhotonsPerPoint / (perPhoton * onSurfaces.perPoint);
-
-  std::vector<double> beams, points;
-  std::vector<BeamFoot<float>> feet;
-  MediumAlongRay medium;
-  const Bounds2i pixels = context.film.sampleBounds();
-  for (int y = 0; y < kProbesPerAxis; ++y)
-    for (int x = 0; x < kProbesPerAxis; ++x) {
-      FootprintRay ray = probe(context, pixels, x, y);
-      const auto hit = scene.intersect(ray, context.stats);
-      if (hit) ray.tMax = distance(ray.o, hit->p);
-      if (const auto range = scene.volume() ? scene.volume()->intersect(ray) : std::nullopt) {
-        medium.assign(*scene.volume(), ray, *range);
-        if (const auto r2 = radius2Along(medium, inMedia.points, beamCount, feet))
-          beams.push_back(*r2);
-      }
-      std::array<Neighbour, static_cast<std::size_t>(kEnough) + 1> found;
-      if (hit && surfaceTree.nearest(hit->p, found) == found.size())
-        points.push_back(double{found.front().distance2()} * pointCount / kEnough);
-    }
+FirstRadii firstRadii(const Scene& scene, const CameraPaths& paths, const PassContext& context,
+                      const PhotonSet& pilot, const PassCost& pass) {
   const double fallback = kDefault * double{length(scene.bounds().diagonal())};
-  FirstRadii radii{std::sqrt(median(beams).value_or(sqr(fallback))),
-                   std::sqrt(median(points).value_or(sqr(fallback)))};
-  if (scene.volume())
+  FirstRadii radii{fallback, fallback};
+  const Halves halves(pilot);
+  const Probes probes(context, paths);
+  Collector seen;
+  PixelLight all = probes.follow(seen);
+
+  std::optional<Ladder> beams, surfaces;
+  double mostPerBeam = 0;  // photons of a half at the largest radius
+  if (!seen.beams.beams.empty()) {
+    const VolumePhotons photons[] = {{*scene.volume(), halves.photons[0]},
+                                     {*scene.volume(), halves.photons[1]}};
+    double largest = kLargest * double{length(scene.volume()->bounds().diagonal())};
+    PixelLight scratch(probes.size());
+    mostPerBeam = gatherWith(scene, seen.beams, largest, photons[0], scratch);
+    if (mostPerBeam > kMostInPilot) {
+      largest *= std::sqrt(kMostInPilot / mostPerBeam);
+      mostPerBeam = kMostInPilot;
+    }
+    beams.emplace(largest, probes.size());
+    for (std::size_t half = 0; half < 2; ++half)
+      for (int k = 0; k < kSteps; ++k)
+        gatherWith(scene, seen.beams, beams->radius(k), photons[half],
+                   beams->light[half][static_cast<std::size_t>(k)]);
+  }
+  const SurfacePhotonMap maps[] = {SurfacePhotonMap(std::span<const Photon>(halves.photons[0])),
+                                   SurfacePhotonMap(std::span<const Photon>(halves.photons[1]))};
+  if (const auto reach = surfaceReach(maps[0], seen.points)) {
+    surfaces.emplace(*reach, probes.size());
+    SurfaceLight lookup(maps, *surfaces);
+    probes.follow(lookup);
+  }
+  for (const auto& ladder : {&beams, &surfaces})
+    if (*ladder)
+      for (std::size_t i = 0; i < all.size(); ++i)
+        all[i] += 0.5f * ((**ladder).light[0][0][i] + (**ladder).light[1][0][i]);
+  const std::vector<double> weights = weightsOf(all);
+
+  const auto best = [&](const std::optional<Ladder>& ladder) -> std::optional<double> {
+    const auto balance = ladder ? balanceOf(*ladder, weights) : std::nullopt;
+    if (!balance || !(balance->c2 > 0)) return std::nullopt;
+    return std::pow(balance->v * halves.paths / (6 * pass.paths * balance->c2), 1. / 6);
+  };
+  if (const auto r = best(beams)) {
+    // Photons per beam of a pass, at the largest radius and as many as cost no more than tracing.
+    const double atLargest = std::max(mostPerBeam, 1e-3) * pass.paths / halves.paths;
+    const double beamsOfPass = static_cast<double>(context.film.sampleBounds().area()) *
+                               static_cast<double>(seen.beams.beams.size()) /
+                               static_cast<double>(probes.size());
+    const double most = std::max(kAlwaysPerBeam, kPairsPerSegment * pass.segments / beamsOfPass);
+    const double affordable = beams->largest * std::sqrt(most / atLargest);
     radii.beam =
-        std::min(radii.beam, kLargest * double{length(scene.volume()->bounds().diagonal())});
+        std::min({*r, affordable, kLargest * double{length(scene.volume()->bounds().diagonal())}});
+  }
+  if (const auto r = best(surfaces)) radii.surface = *r;
   return radii;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
 
 #include "accelerators/beam_quadtree.h"
@@ -67,9 +68,9 @@ class Pvpm final : public PassGlobalIntegrator {
       v(photonsperpass, "photonsperpass", Range<int>{1, 1 << 30}, Unit::None,
         "light paths of a pass");
       v(radius, "radius", kPositive, Unit::Length,
-        "of the beams in the first pass; by default so that a beam meets some 50 photons");
+        "of the beams in the first pass; by default in balance of noise and blur");
       v(surfaceradius, "surfaceradius", kPositive, Unit::Length,
-        "on surfaces in the first pass; by default so that a point meets some 10 photons");
+        "on surfaces in the first pass; by default in balance of noise and blur");
       v(schedule, "schedule", {{"global", Schedule::Global}, {"beam", Schedule::Beam}},
         "global: all radii shrink alike, r'^2 = r^2 (j + alpha) / (j + 1) after pass j; beam: each "
         "pixel's by its own photons, r'^2 = r^2 (N + alpha M) / (N + M)");
@@ -208,13 +209,19 @@ void Pvpm::chooseRadii(const PassContext& context) {
              points = !(wanted_ & kSurfacePhotons).isEmpty();
   FirstRadii radii;
   if ((beams && !params_.radius) || (points && !params_.surfaceradius)) {
-    const int paths = std::min(kPilotPaths, params_.photonsperpass);
-    const PhotonSet traced =
-        kept_ ? PhotonSet{}
-              : tracePhotons(context.seed, kPilotPass, paths, context.stop, context.stats);
-    if (!traced.isComplete) return;
-    radii = firstRadii(scene_, context, kept_ ? kept_->photons : traced.photons,
-                       kept_ ? 1.0 : double(params_.photonsperpass) / paths);
+    PhotonSet pilot;
+    PassCost pass;
+    if (kept_) {
+      pass.paths = static_cast<double>(*std::max_element(kept_->paths.begin(), kept_->paths.end()));
+    } else {
+      Stats stats;
+      pilot = tracePhotons(context.seed, kPilotPass, kPilotPaths, context.stop, stats);
+      pass.paths = params_.photonsperpass;
+      pass.segments = static_cast<double>(stats[Stat::PhotonSegments]) * pass.paths / kPilotPaths;
+      context.stats.merge(stats);
+    }
+    if (!pilot.isComplete) return;
+    radii = firstRadii(scene_, paths_, context, kept_ ? *kept_ : pilot, pass);
   }
   if (beams) {
     if (params_.radius) radii.beam = double{*params_.radius};
