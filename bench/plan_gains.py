@@ -33,7 +33,7 @@ BALL = """Material "matte" "color Kd" [.6 .5 .4]
 Shape "sphere"
 Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point P" [-9 -1 -9  9 -1 -9  9 -1 9  -9 -1 9]
 """
-ASIDE = "AttributeBegin Translate 0 0 -30 {} Shape \"disk\" \"float radius\" .01 AttributeEnd\n"
+ASIDE = "AttributeBegin Translate 0 .5 -8 {} Shape \"disk\" \"float radius\" .01 AttributeEnd\n"
 ABOVE = ('Shape "trianglemesh" "integer indices" [0 1 2] '
          '"point P" [0 900 0  .01 900 0  0 900 .01]\n')
 
@@ -107,20 +107,22 @@ def rules(folder):
         return (f'Volume "homogeneous" "point p0" [{x0} -1 -4] "point p1" [{x1} 9 4] '
                 f'"color sigma_s" [{sigma} {sigma} {sigma}]\n')
     single = 'SurfaceIntegrator "directlighting" VolumeIntegrator "single"'
-    pvpm = 'GlobalIntegrator "pvpm" "integer passes" 8 "integer photonsperpass" 20000'
+    pvpm = ('GlobalIntegrator "pvpm" "integer passes" 8 "integer photonsperpass" 20000 '
+            '"float radius" .1 "float surfaceradius" .1')
     photonmap = ('SurfaceIntegrator "photonmap" "bool finalgather" "false" '
                  '"integer causticphotons" 20000 "integer indirectphotons" 0')
+    plain = ASIDE.format('Material "matte"')  # the same shapes on both sides: the same tree of them
     # Above the view, it sends the lamp's light to the floor behind the camera.
     mirror = ('AttributeBegin Material "mirror" Translate 0 4 -3 Rotate -20 1 0 0 '
               'Shape "disk" "float radius" .3 AttributeEnd\n')
     textures, measured, mesh = texture_world(folder), measured_world(folder), mesh_object(300)
     result = [
         Rule("textures that no surface uses are not read (one image of 2048 x 2048)",
-             scene(LAMP + textures + BALL),
+             scene(LAMP + textures + BALL + plain),
              scene(LAMP + textures + BALL + ASIDE.format('NamedMaterial "textured"')),
              "texture: used by no surface", .5),
         Rule("materials that no surface uses are not built (one MERL table)",
-             scene(LAMP + measured + BALL),
+             scene(LAMP + measured + BALL + plain),
              scene(LAMP + measured + BALL + ASIDE.format('NamedMaterial "measured"')),
              "material: used by no surface"),
         Rule("objects that nothing instances are not built (180,000 triangles)",
@@ -128,7 +130,7 @@ def rules(folder):
              scene(LAMP + mesh + BALL + 'AttributeBegin Translate 0 0 -900 ObjectInstance "o" AttributeEnd\n'),
              "object: defined and never instanced"),
         Rule("rays carry no footprint where no texture looks at it",
-             scene(LAMP + BALL),
+             scene(LAMP + BALL + plain),
              scene(LAMP + BALL + 'Texture "u" "color" "uv"\n' +
                    ASIDE.format('Material "matte" "texture Kd" "u"')),
              "skip  ray footprints"),
@@ -149,8 +151,8 @@ def rules(folder):
              "build media: 1 volume", .5),
         Rule("no specular surface, no caustic map: `photonmap`", scene(LAMP + BALL, photonmap),
              scene(LAMP + BALL + mirror, photonmap), "skip  caustic photon map", .5),
-        Rule("no specular surface, no caustic photons: `pvpm`", scene(LAMP + BALL + box(".2"), pvpm),
-             scene(LAMP + BALL + mirror + box(".2"), pvpm), "skip  caustic photons", .5),
+        Rule("no specular surface, no caustic photons: `pvpm`", scene(LAMP + BALL + plain + box(".2"), pvpm),
+             scene(LAMP + BALL + ASIDE.format('Material "mirror"') + box(".2"), pvpm), "skip  caustic photons", .5),
         Rule("nothing diffuse, no visible points and no photons on surfaces: `pvpm`",
              scene(LAMP + box(".2"), pvpm),
              scene(LAMP + box(".2") + ASIDE.format('Material "matte"'), pvpm),

@@ -18,9 +18,10 @@ import sys
 import tempfile
 import time
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
-BUILD = ROOT / "build-bench"
-SCENES = ROOT.parent / "shared" / "pbrt-v2-scenes"
+import common
+
+BUILD = common.BUILDS[0]
+SCENES = pathlib.Path(os.environ.get("BRUME_PBRT_SCENES", common.ROOT.parent / "shared" / "pbrt-v2-scenes"))
 REAL_SCENES = ["killeroo-simple", "room-path"]
 RUNS = 20
 
@@ -35,7 +36,7 @@ LightSource "point" "point from" [0.5 0 3] "color I" [9 9 9]
 
 def build():
     options = ["-DCMAKE_BUILD_TYPE=Release", "-DBRUME_BENCH=ON", "-DBRUME_TESTS=OFF"]
-    for command in (["cmake", "-S", ROOT, "-B", BUILD, *options],
+    for command in (["cmake", "-S", common.ROOT, "-B", BUILD, *options],
                     ["cmake", "--build", BUILD, "--parallel", str(os.cpu_count())]):
         subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
 
@@ -86,7 +87,7 @@ def measure_mesh(folder, megabytes):
     geometry = write_mesh(scene, megabytes)
     size, best = scene.stat().st_size, None
     for _ in range(3):  # the best of three: what else runs on the machine only ever adds
-        run(BUILD / "brume", "--quiet", "-o", folder / "mesh.exr", "--stats", stats, scene)
+        run(common.built("brume"), "--quiet", "-o", folder / "mesh.exr", "--stats", stats, scene)
         frame = json.loads(stats.read_text())["frames"][0]
         if best is None or frame["seconds"]["parse"] < best["seconds"]["parse"]:
             best = frame
@@ -101,7 +102,7 @@ def measure_mesh(folder, megabytes):
 def measure_parser(megabytes):
     """Bytes of text per second of processor time: what else runs on the machine counts less."""
     output = subprocess.run(
-        [BUILD / "bench" / "brume_micro", "--benchmark_format=json",
+        [common.built("brume_micro"), "--benchmark_format=json",
          f"--benchmark_filter=parseMesh/MB:{megabytes}$"],
         check=True, stdout=subprocess.PIPE, text=True).stdout
     return json.loads(output)["benchmarks"][0]["bytes_per_second"] / 1e6
@@ -110,7 +111,7 @@ def measure_parser(megabytes):
 def measure_start(folder):
     scene = folder / "small.pbrt"
     write_small(scene)
-    program, result = BUILD / "brume", {"file_bytes": scene.stat().st_size}
+    program, result = common.built("brume"), {"file_bytes": scene.stat().st_size}
     for name, arguments in {
             "version": ["--version"],
             "check": ["--quiet", "--check", scene],
@@ -130,7 +131,7 @@ def measure_embree(folder, scenes, samples):
         if not scene.exists():
             continue
         output = subprocess.run(
-            [BUILD / "bench" / "brume_embree_share", "--spp", str(samples), scene],
+            [common.built("brume_embree_share"), "--spp", str(samples), scene],
             cwd=folder, check=True, stdout=subprocess.PIPE, text=True).stdout
         results[name] = json.loads(output.strip().splitlines()[-1])
     return results
@@ -156,11 +157,11 @@ def print_table(report):
             row(f"{name}: inside Embree", "skipped", f"no {name}.pbrt at hand (--scenes)")
             continue
         row(f"{name}: inside Embree", f"{share['embree_share']:.1%}", "at least 40 %")
-        row("  rays per second", f"{share['rays_per_second'] / 1e6:.2f} M")
+        row("  rays per second of processor time", f"{share['rays_per_second'] / 1e6:.2f} M")
         if "rays_per_second_in_embree" in share:
             row("  the same rays in Embree alone",
                 f"{share['rays_per_second_in_embree'] / 1e6:.2f} M")
-    print(f"load average {report['load']:.1f} on {report['processors']} processors")
+    print(common.machine_line(report["machine"]))
 
 
 def main():
@@ -176,7 +177,7 @@ def main():
         build()
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
-        report = {"processors": os.cpu_count(), "load": os.getloadavg()[0],
+        report = {"machine": common.machine(),
                   "mesh": measure_mesh(folder, arguments.mesh_mb),
                   "parse_mb_per_cpu_second": measure_parser(100),
                   "start": measure_start(folder),

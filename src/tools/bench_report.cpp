@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <set>
 
 #include "core/error.h"
 #include "core/version.h"
@@ -15,6 +17,9 @@ namespace brume {
 namespace {
 
 constexpr std::size_t kTargets = 4;
+/// Errors that the baseline does not reach and others do, at most.
+constexpr std::size_t kTargetsBeyond = 2;
+constexpr std::size_t kAllTargets = 1000;
 
 /// One entry with its errors.
 struct Measured {
@@ -93,29 +98,55 @@ const Mean* baselineFor(const std::vector<Mean>& means, const std::string& name,
 
 Json optionalJson(const std::optional<double>& value) { return value ? Json(*value) : Json(); }
 
-/// Time to each error that the baseline reaches, and how many times faster than it.
+/// Errors for the table: those that the baseline reaches and a few below; without a baseline the
+/// smallest that anything reaches. Falling.
+std::vector<double> targetsFor(const std::vector<Mean>& means, const Mean* baseline) {
+  std::vector<double> targets;
+  if (baseline) targets = targetsOf(baseline->bySeconds, kTargets);
+  std::set<double, std::greater<>> all;
+  for (const Mean& mean : means)
+    for (const double target : targetsOf(mean.bySeconds, kAllTargets)) all.insert(target);
+  if (targets.empty()) {
+    targets.assign(all.begin(), all.end());
+    if (targets.size() > kTargets) targets.erase(targets.begin(), targets.end() - kTargets);
+    return targets;
+  }
+  const auto beyond = all.upper_bound(targets.back());
+  for (auto it = beyond; it != all.end() && targets.size() < kTargets + kTargetsBeyond; ++it)
+    targets.push_back(*it);
+  return targets;
+}
+
+/// How many times longer the baseline takes to the target: a value, or a lower bound where it never
+/// gets there ("at least").
+void addRatio(const std::vector<CurveSample>* baseline, std::optional<double> own, double target,
+              const std::string& key, Json& row) {
+  row[key] = Json();
+  if (!baseline || baseline->empty() || !own) return;
+  if (const auto base = reach(*baseline, target))
+    row[key] = *base / *own;
+  else if (baseline->back().x > *own)
+    row["at least " + key] = baseline->back().x / *own;
+}
+
+/// Time to each error, and how many times faster than the baseline.
 Json timesToError(const std::vector<Mean>& means, const std::string& baseline) {
   Json list = Json::array();
-  const Mean* first = baselineFor(means, baseline, means.empty() ? 0 : means.front().threads);
+  if (means.empty()) return list;
   const std::vector<double> targets =
-      targetsOf(first ? first->bySeconds : std::vector<CurveSample>{}, kTargets);
+      targetsFor(means, baselineFor(means, baseline, means.front().threads));
   for (const Mean& mean : means) {
     const Mean* base = baselineFor(means, baseline, mean.threads);
     for (const double target : targets) {
       const auto seconds = reach(mean.bySeconds, target), cpu = reach(mean.byCpu, target);
-      const auto ratio = [](std::optional<double> of, std::optional<double> by) {
-        return of && by ? std::optional(*of / *by) : std::nullopt;
-      };
       Json row;
       row["method"] = mean.method;
       row["threads"] = mean.threads;
       row["relmse"] = target;
       row["seconds"] = optionalJson(seconds);
       row["cpu seconds"] = optionalJson(cpu);
-      row["times faster"] =
-          optionalJson(base ? ratio(reach(base->bySeconds, target), seconds) : std::nullopt);
-      row["times less processor"] =
-          optionalJson(base ? ratio(reach(base->byCpu, target), cpu) : std::nullopt);
+      addRatio(base ? &base->bySeconds : nullptr, seconds, target, "times faster", row);
+      addRatio(base ? &base->byCpu : nullptr, cpu, target, "times less processor", row);
       list.push_back(std::move(row));
     }
   }

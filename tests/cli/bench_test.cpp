@@ -148,6 +148,43 @@ TEST_F(Bench, AMethodThatFailsDoesNotEndTheOthers) {
   EXPECT_TRUE(contains(curves[1]["failure"], "vilpath"));
 }
 
+TEST_F(Bench, ScenesWithoutTheBaselineHaveTheirTimes) {
+  folder_.write("ball.json", R"({"passes": 4, "threads": 1, "baseline": "single",
+    "scenes": [{"file": "ball.pbrt", "reference": {"passes": 40}, "methods": ["volpath"]}],
+    "methods": [{"integrator": "volpath"}, {"name": "single", "integrator": ["single", "path"]}]})");
+  const ProgramResult result = run();
+  ASSERT_EQ(result.exitCode, 0) << result.err;
+  const Json times = results()["scenes"][0]["times to error"];
+  ASSERT_FALSE(times.empty());
+  for (const Json& row : times) {
+    EXPECT_EQ(row["method"], "volpath");
+    EXPECT_GT(row["seconds"], 0);
+    EXPECT_TRUE(row["times faster"].is_null());
+  }
+}
+
+TEST_F(Bench, ABaselineThatDoesNotGetThereGivesABound) {
+  folder_.write("ball.json", R"({"threads": 1,
+    "scenes": [{"file": "ball.pbrt", "reference": {"passes": 100}}],
+    "methods": [{"integrator": "volpath", "name": "short", "passes": 1},
+                {"integrator": "volpath", "name": "long", "passes": 16}]})");
+  ASSERT_EQ(run().exitCode, 0);
+  const Json times = results()["scenes"][0]["times to error"];
+  std::vector<double> targets, reached;
+  for (const Json& row : times)
+    if (row["method"] == "short") {
+      targets.push_back(row["relmse"]);
+      if (!row["seconds"].is_null()) reached.push_back(row["relmse"]);
+    }
+  // 16 times the samples: errors a decade below, of which the short render knows nothing.
+  ASSERT_FALSE(reached.empty());
+  EXPECT_GT(targets.size(), reached.size());
+  EXPECT_TRUE(std::is_sorted(targets.rbegin(), targets.rend()));
+  for (const Json& row : times)
+    EXPECT_EQ(row["times faster"].is_null(),
+              row["relmse"] < reached.back() || row["seconds"].is_null());
+}
+
 TEST_F(Bench, UsersFaultsAreNamed) {
   const auto errorOf = [&](const std::string& text) {
     folder_.write("ball.json", text);
