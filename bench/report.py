@@ -92,9 +92,14 @@ def run_errors():
 
 
 def show_errors(results):
-    lines, panels, time_name = error_table.markdown(results, "cpu seconds", "relmse", 4)
-    (IMAGES / "bench_errors.svg").write_text(grid_of_plots(panels, time_name, "relMSE"))
+    lines, _, _ = error_table.markdown(results, "cpu seconds", "relmse", 4)
     return ["![relMSE against processor seconds](images/bench_errors.svg)", ""] + lines
+
+
+def draw_errors():
+    if results := kept("errors"):
+        _, panels, time_name = error_table.markdown(results, "cpu seconds", "relmse", 4)
+        (IMAGES / "bench_errors.svg").write_text(grid_of_plots(panels, time_name, "relMSE"))
 
 
 # --- single parts -----------------------------------------------------------------------------------
@@ -134,6 +139,7 @@ def show_micro(summary):
 # --- the plan, speed, beams, techniques ---------------------------------------------------------------
 
 def run_plan():
+    MEASURED.mkdir(exist_ok=True)
     script("plan_gains.py", "--json", MEASURED / "plan.json")
 
 
@@ -142,6 +148,7 @@ def show_plan(figures):
 
 
 def run_speed():
+    MEASURED.mkdir(exist_ok=True)
     script("speed.py", "--no-build", "--json", MEASURED / "speed.json")
 
 
@@ -230,7 +237,6 @@ def main():
     parser.add_argument("--errors", type=pathlib.Path, metavar="RESULTS.json")
     parser.add_argument("--check", action="store_true")
     arguments = parser.parse_args()
-    MEASURED.mkdir(exist_ok=True)
     for part in PARTS if "all" in arguments.run else arguments.run:
         print(f"measuring: {part}", file=sys.stderr)
         PARTS[part][0]()
@@ -241,6 +247,7 @@ def main():
     if arguments.check:
         sys.exit("docs/benchmarks.md is not what bench/measured says: run bench/report.py" if new != old else 0)
     PAGE.write_text(new)
+    draw_errors()
 
 
 if __name__ == "__main__":

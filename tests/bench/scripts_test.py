@@ -144,5 +144,11 @@ class PlotBeams(unittest.TestCase):
         self.assertEqual(len(xml.fromstring(done.stdout).findall("{http://www.w3.org/2000/svg}polyline")), 6)
 
 
+class Report(unittest.TestCase):
+    def test_the_page_says_what_the_figures_say(self):
+        done = call("report.py", "--check")
+        self.assertEqual(done.returncode, 0, done.stdout)
+
+
 if __name__ == "__main__":
     unittest.main()
