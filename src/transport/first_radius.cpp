@@ -257,8 +257,10 @@ FirstRadii firstRadii(const Scene& scene, const CameraPaths& paths, const PassCo
         gatherWith(scene, seen.beams, beams->radius(k), photons[half],
                    beams->light[half][static_cast<std::size_t>(k)]);
   }
-  const SurfacePhotonMap maps[] = {SurfacePhotonMap(std::span<const Photon>(halves.photons[0])),
-                                   SurfacePhotonMap(std::span<const Photon>(halves.photons[1]))};
+  const Accelerator* accelerator = &scene.accelerator();
+  const SurfacePhotonMap maps[] = {
+      SurfacePhotonMap(std::span<const Photon>(halves.photons[0]), accelerator),
+      SurfacePhotonMap(std::span<const Photon>(halves.photons[1]), accelerator)};
   if (const auto reach = surfaceReach(maps[0], seen.points)) {
     surfaces.emplace(*reach, probes.size());
     SurfaceLight lookup(maps, *surfaces);

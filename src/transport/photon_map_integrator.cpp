@@ -32,7 +32,7 @@ void PhotonMapIntegrator::prepare(PrepareContext& context) {
   if (!set.isComplete) return;
 
   if (!(wanted & kSurfacePhotons).isEmpty()) {
-    surfaceMap_.emplace(std::span<const Photon>(set.photons));
+    surfaceMap_.emplace(std::span<const Photon>(set.photons), &scene_.accelerator());
     if (surfaceMap_->isEmpty()) surfaceMap_.reset();
   }
   if (!(wanted & kVolumePhotons).isEmpty()) {

@@ -3,7 +3,6 @@
 
 #include "core/material.h"
 #include "core/sampling.h"
-#include "transport/kernels.h"
 
 namespace brume {
 namespace {
@@ -23,25 +22,13 @@ constexpr Vec2 kDirections[] = {
 constexpr LobeFlags kBack = kReflection | kDiffuse | kGlossy,
                     kThrough = kTransmission | kDiffuse | kGlossy;
 
-/// On the side of the unit vector n, by the nearest photons whose light comes to that side.
-Rgb irradiance(const Vec3& p, const Vec3& n, std::span<const SurfacePhotonMap* const> maps,
+/// On the side of the unit vector n, of all maps.
+Rgb irradiance(SurfaceInteraction at, const Vec3& n, std::span<const SurfacePhotonMap* const> maps,
                const RadianceLookup& lookup) {
-  thread_local std::vector<Neighbour> found;  // reused, so that its memory is
-  found.resize(lookup.nearest);
+  at.wo = n;
+  const float reach = std::min(lookup.maxDistance, kLargestRadius);
   Rgb E;
-  for (const SurfacePhotonMap* map : maps) {
-    const std::size_t count = map->tree().nearest(p, found, lookup.maxDistance);
-    const bool isFull = count == found.size();
-    const float radius2 =
-        isFull ? found.front().distance2() : sqr(std::min(lookup.maxDistance, kLargestRadius));
-    if (count == 0 || !(radius2 > 0)) continue;
-    const DiscKernel kernel(radius2);
-    // The farthest of k gives the radius and does not count itself.
-    for (std::size_t i = isFull ? 1 : 0; i < count; ++i) {
-      const Photon& photon = map->photons()[found[i].index()];
-      if (dot(photon.wi.unpack(), n) > 0) E += photon.power * kernel(found[i].distance2());
-    }
-  }
+  for (const SurfacePhotonMap* map : maps) E += map->irradianceOfNearest(at, lookup.nearest, reach);
   return E;
 }
 
@@ -89,8 +76,8 @@ std::vector<RadiancePhotons::Site> RadiancePhotons::evaluate(
       at->material->evaluate(*at, bsdf);
       const Vec3 n = dot(at->wo, at->n) < 0 ? -at->n : at->n;
       const Rgb through = meanReflectance(bsdf, n, kThrough);
-      const Rgb here = irradiance(at->p, n, maps, lookup);
-      const Rgb behind = through.isBlack() ? Rgb() : irradiance(at->p, -n, maps, lookup);
+      const Rgb here = irradiance(*at, n, maps, lookup);
+      const Rgb behind = through.isBlack() ? Rgb() : irradiance(*at, -n, maps, lookup);
       const Rgb back = meanReflectance(bsdf, n, kBack);
       chunk.sites.push_back({at->p, n, kInvPi * (back * here + through * behind)});
       if (!through.isBlack())

@@ -2,12 +2,14 @@
 #include "transport/surface_photon_map.h"
 
 #include "transport/kernels.h"
+#include "transport/surface_share.h"
 
 namespace brume {
 namespace {
 
 constexpr float kMaxTilt = 0.5f;     // cosine between the normals
 constexpr float kMaxHeight = 0.25f;  // over the tangent plane, in radii
+constexpr float kWhole = 0.9999f;    // from this share of the disc on no edge hides photons
 
 std::vector<Photon> onSurfaces(std::span<const Photon> photons) {
   std::vector<Photon> found;
@@ -18,54 +20,107 @@ std::vector<Photon> onSurfaces(std::span<const Photon> photons) {
 
 }  // namespace
 
-SurfacePhotonMap::SurfacePhotonMap(std::span<const Photon> photons)
-    : SurfacePhotonMap(onSurfaces(photons)) {}
+SurfacePhotonMap::SurfacePhotonMap(std::span<const Photon> photons, const Accelerator* accelerator)
+    : SurfacePhotonMap(onSurfaces(photons), accelerator) {}
 
-SurfacePhotonMap::SurfacePhotonMap(std::vector<Photon> photons)
+SurfacePhotonMap::SurfacePhotonMap(std::vector<Photon> photons, const Accelerator* accelerator)
     : tree_(StridedPoints(photons.empty() ? nullptr : &photons.front().p, photons.size(),
                           sizeof(Photon))),
-      photons_(inOrder(std::span<const Photon>(photons), tree_.order())) {
+      photons_(inOrder(std::span<const Photon>(photons), tree_.order())),
+      accelerator_(accelerator) {
   tree_.dropOrder();
 }
 
-/// f alpha with the cosines; black for a photon of another surface.
-Rgb SurfacePhotonMap::contribution(const SurfaceInteraction& at, const Bsdf& bsdf,
-                                   std::uint32_t index, float radius) const {
-  const Photon& photon = photons_[index];
-  if (dot(photon.normal(), at.n) < kMaxTilt) return {};
-  if (absDot(photon.p - at.p, at.n) > kMaxHeight * radius) return {};
-  const Vec3 wi = photon.wi.unpack();
-  const Rgb f = bsdf.f(at.wo, wi, kNonSpecular);
-  const float geometric = absDot(wi, bsdf.geometricNormal());
-  if (f.isBlack() || !(geometric > 0)) return {};
-  return f * photon.power * (absDot(wi, bsdf.shadingNormal()) / geometric);
-}
+/// One estimate in the making: sum_i lightOf(photon_i) K2(d_i; r) over the part of the disc that is
+/// there.
+template <class LightOf>
+struct SurfacePhotonMap::Disc {
+  const SurfaceInteraction& at;
+  const LightOf& lightOf;
+  float radius2, radius = std::sqrt(radius2);
+  DiscKernel kernel{radius2};
 
-Rgb SurfacePhotonMap::radiance(const SurfaceInteraction& at, const Bsdf& bsdf, float radius) const {
-  const float radius2 = sqr(radius);
-  if (!(radius2 > 0)) return {};
-  const DiscKernel kernel(radius2);
-  Rgb L;
-  tree_.forEachWithin(at.p, radius2, [&](std::uint32_t i, float d2) {
-    L += contribution(at, bsdf, i, radius) * kernel(d2);
-  });
-  return L;
-}
+  bool isOfSurface(const Photon& photon) const {
+    return dot(photon.normal(), at.n) >= kMaxTilt &&
+           absDot(photon.p - at.p, at.n) <= kMaxHeight * radius;
+  }
 
-Rgb SurfacePhotonMap::radianceOfNearest(const SurfaceInteraction& at, const Bsdf& bsdf,
-                                        std::size_t k, float maxRadius) const {
+  /// `forEach` calls its argument with every photon in reach and its squared distance.
+  template <class ForEach>
+  Rgb sum(const Accelerator* accelerator, ForEach forEach) const {
+    Rgb all;
+    bool hasOthers = false;  // photons of other surfaces: an edge may be near
+    forEach([&](const Photon& photon, float d2) {
+      if (isOfSurface(photon))
+        all += lightOf(photon) * kernel(d2);
+      else
+        hasOthers = true;
+    });
+    if (!hasOthers || !accelerator || all.isBlack()) return all;
+    const float slab = kMaxHeight * radius;
+    const float share = surfaceShare(*accelerator, at, radius, slab);
+    if (share > kWhole) return all / share;
+    Rgb inSight;
+    forEach([&](const Photon& photon, float d2) {
+      if (isOfSurface(photon) && !isBehindAnEdge(*accelerator, at, photon.p, slab))
+        inSight += lightOf(photon) * kernel(d2);
+    });
+    return inSight / share;
+  }
+};
+
+template <class LightOf>
+Rgb SurfacePhotonMap::ofNearest(const SurfaceInteraction& at, std::size_t k, float maxRadius,
+                                const LightOf& lightOf) const {
   thread_local std::vector<Neighbour> found;  // reused, so that its memory is
   found.resize(k);
   const std::size_t n = tree_.nearest(at.p, found, maxRadius);
   const bool isFull = n == k;
   const float radius2 = isFull ? found.front().distance2() : sqr(maxRadius);
   if (n == 0 || !(radius2 > 0) || !std::isfinite(radius2)) return {};
-  const DiscKernel kernel(radius2);
-  const float radius = std::sqrt(radius2);
-  Rgb L;
-  for (std::size_t i = isFull ? 1 : 0; i < n; ++i)
-    L += contribution(at, bsdf, found[i].index(), radius) * kernel(found[i].distance2());
-  return L;
+  const Disc<LightOf> disc{at, lightOf, radius2};
+  return disc.sum(accelerator_, [&](auto&& use) {
+    for (std::size_t i = isFull ? 1 : 0; i < n; ++i)
+      use(photons_[found[i].index()], found[i].distance2());
+  });
+}
+
+namespace {
+
+/// f alpha with the cosines, as a function of the photon.
+auto scatteredBy(const SurfaceInteraction& at, const Bsdf& bsdf) {
+  return [&](const Photon& photon) -> Rgb {
+    const Vec3 wi = photon.wi.unpack();
+    const Rgb f = bsdf.f(at.wo, wi, kNonSpecular);
+    const float geometric = absDot(wi, bsdf.geometricNormal());
+    if (f.isBlack() || !(geometric > 0)) return {};
+    return f * photon.power * (absDot(wi, bsdf.shadingNormal()) / geometric);
+  };
+}
+
+}  // namespace
+
+Rgb SurfacePhotonMap::radiance(const SurfaceInteraction& at, const Bsdf& bsdf, float radius) const {
+  if (!(sqr(radius) > 0)) return {};
+  const auto lightOf = scatteredBy(at, bsdf);
+  const Disc<decltype(lightOf)> disc{at, lightOf, sqr(radius)};
+  return disc.sum(accelerator_, [&](auto&& use) {
+    tree_.forEachWithin(at.p, sqr(radius),
+                        [&](std::uint32_t i, float d2) { use(photons_[i], d2); });
+  });
+}
+
+Rgb SurfacePhotonMap::radianceOfNearest(const SurfaceInteraction& at, const Bsdf& bsdf,
+                                        std::size_t k, float maxRadius) const {
+  return ofNearest(at, k, maxRadius, scatteredBy(at, bsdf));
+}
+
+Rgb SurfacePhotonMap::irradianceOfNearest(const SurfaceInteraction& at, std::size_t k,
+                                          float maxRadius) const {
+  const Vec3 side = dot(at.n, at.wo) < 0 ? -at.n : at.n;
+  return ofNearest(at, k, maxRadius, [&](const Photon& photon) -> Rgb {
+    return dot(photon.wi.unpack(), side) > 0 ? photon.power : Rgb();
+  });
 }
 
 }  // namespace brume

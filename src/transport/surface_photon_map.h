@@ -10,18 +10,23 @@
 
 namespace brume {
 
+class Accelerator;
+
 /// Photons on surfaces, and the radiance that they give to a point:
 ///   L(o, wo) ~= sum_{d_i < r} f(wo, wi) |wi.ns| / |wi.ng| alpha_i K2(d_i; r)   [W m^-2 sr^-1]
 /// f BSDF without specular lobes [1/sr], alpha_i photon power [W], K2 kernel [length^-2]. The
 /// cosines turn the photons' irradiance, which counts by the geometric normal, into that of the
 /// shading normal. Photons on surfaces that lean away (normals more than 60 degrees apart) or lie
 /// off the tangent plane by more than a quarter of the radius are left out: light does not leak
-/// around corners. Bias O(r^2) on flat, evenly lit surfaces; too dark within r of edges.
+/// around corners; where some are, the estimate is divided by the part of the disc that lies on the
+/// surface (surfaceShare), and photons behind what stands on it are left out. Bias O(r^2).
 /// Immutable and thread-safe. Test: surface_photon_map_test.
 class SurfacePhotonMap {
  public:
-  /// Takes the surface photons among the given ones.
-  explicit SurfacePhotonMap(std::span<const Photon> photons);
+  /// Takes the surface photons among the given ones. Without an accelerator, estimates are too dark
+  /// within r of edges.
+  explicit SurfacePhotonMap(std::span<const Photon> photons,
+                            const Accelerator* accelerator = nullptr);
 
   bool isEmpty() const { return tree_.size() == 0; }
   const PhotonKdTree& tree() const { return tree_; }
@@ -34,14 +39,20 @@ class SurfacePhotonMap {
   /// itself: (k - 1) / (Pi r_k^2) is the unbiased density. Fewer than k: all, by maxRadius.
   Rgb radianceOfNearest(const SurfaceInteraction& at, const Bsdf& bsdf, std::size_t k,
                         float maxRadius) const;
+  /// Irradiance on the side of wo by the k nearest [W m^-2].
+  Rgb irradianceOfNearest(const SurfaceInteraction& at, std::size_t k, float maxRadius) const;
 
  private:
-  explicit SurfacePhotonMap(std::vector<Photon> photons);
-  Rgb contribution(const SurfaceInteraction& at, const Bsdf& bsdf, std::uint32_t index,
-                   float radius) const;
+  SurfacePhotonMap(std::vector<Photon> photons, const Accelerator* accelerator);
+  template <class LightOf>
+  struct Disc;
+  template <class LightOf>
+  Rgb ofNearest(const SurfaceInteraction& at, std::size_t k, float maxRadius,
+                const LightOf& lightOf) const;
 
   PhotonKdTree tree_;
   std::vector<Photon> photons_;
+  const Accelerator* accelerator_;
 };
 
 }  // namespace brume

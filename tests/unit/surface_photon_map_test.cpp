@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "core/rng.h"
+#include "support/render_text.h"
 
 namespace brume {
 namespace {
@@ -151,6 +152,57 @@ TEST(SurfacePhotonMap, NoLightLeaksAroundACorner) {
   EXPECT_EQ(map.radiance(floor.at, floor.bsdf, 0.3f), Rgb());
   EXPECT_EQ(map.radianceOfNearest(floor.at, floor.bsdf, 50, 0.3f), Rgb());
   EXPECT_GT(map.radiance(wall.at, wall.bsdf, 0.3f).r, 0);
+}
+
+/// A box with its corner in the middle of the space, and a floor and a wall that cross at y = 20.
+std::unique_ptr<RenderJob> cornerAndEdge() {
+  Log log({Verbosity::Quiet, false, true});
+  return makeJob(
+      "Camera \"perspective\" WorldBegin "
+      "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3  0 1 5 0 5 4] "
+      "\"point P\" [-9 0 0  9 0 0  9 9 0  -9 9 0  -9 0 -9  9 0 -9] "
+      "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] "
+      "\"point P\" [-9 12 0  9 12 0  9 30 0  -9 30 0] "
+      "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] "
+      "\"point P\" [-9 20 -9  9 20 -9  9 20 9  -9 20 9] WorldEnd",
+      {}, log);
+}
+
+TEST(SurfacePhotonMap, EvenLightStaysEvenUpToEdges) {
+  // Unit irradiance on the box's top, y in (0, 9), and side, z in (-9, 0); on the floor before the
+  // wall, y in (12, 20), three times as much behind it, and on the wall above the floor.
+  Rng rng(5);
+  std::vector<Photon> photons;
+  const auto add = [&](const Vec3& p, const Vec3& n, float power) {
+    photons.push_back(Photon::onSurface(p, n, n, Rgb(power), PhotonClass::SurfaceIndirect));
+  };
+  constexpr int kPerSide = 10, kPerArea = kPerSide * kPerSide;  // one photon in each small square
+  for (int ix = 0; ix < 18 * kPerSide; ++ix)
+    for (int iy = 0; iy < 9 * kPerSide; ++iy) {
+      const auto along = [&](int i) { return (static_cast<float>(i) + rng.uniform()) / kPerSide; };
+      const float x = along(ix) - 9;
+      add({x, along(iy), 0}, kUp, 1);
+      add({x, 0, -along(iy)}, {0, -1, 0}, 1);
+      add({x, 11 + along(iy), 0}, kUp, 1);
+      add({x, 20 + along(iy), 0}, kUp, 3);
+      add({x, 20, along(iy)}, {0, -1, 0}, 1);
+    }
+  const auto job = cornerAndEdge();
+  const SurfacePhotonMap blind{std::span<const Photon>(photons)},
+      seeing(std::span<const Photon>(photons), &job->scene().accelerator());
+  const auto meanAt = [&](const SurfacePhotonMap& map, float y) {
+    return meanOf(300, [&](int) {
+      const Query query({14 * rng.uniform() - 7, y, 0}, kUp);
+      return double{map.radiance(query.at, query.bsdf, 1).r} / (kF * kPerArea);
+    });
+  };
+  for (const float y : {0.02f, 0.3f, 0.7f, 19.3f, 19.7f, 19.98f}) {
+    const Mean mean = meanAt(seeing, y);
+    // Photons of one square noise by a per cent; 1/share of eight directions is 1 % too bright.
+    EXPECT_NEAR(mean.value, 1, 0.03) << y;
+  }
+  EXPECT_LT(meanAt(blind, 0.02f).value, 0.6);
+  EXPECT_GT(meanAt(blind, 19.98f).value, 1.5);  // what lies behind the wall
 }
 
 TEST(SurfacePhotonMap, NothingComesOfNothing) {

@@ -317,7 +317,7 @@ bool Pvpm::renderPass(const PassContext& context, const std::function<void(doubl
   options.throughCentres = params_.fixedbeams;
   std::optional<SurfacePhotonMap> surface;
   if (surfaceRadius_) {
-    surface.emplace(std::span<const Photon>(photons));
+    surface.emplace(std::span<const Photon>(photons), &scene_.accelerator());
     options.surface = &*surface;
   }
   prepareRadii(context, options);

@@ -87,10 +87,10 @@ class PhotonMap final : public SurfaceIntegrator {
   };
   /// Everything that prepare() makes; the parts refer to each other and stay where they are.
   struct Maps {
-    explicit Maps(const Photons& photons)
-        : direct(std::span<const Photon>(photons.direct)),
-          caustic(std::span<const Photon>(photons.caustic)),
-          indirect(std::span<const Photon>(photons.indirect)) {}
+    Maps(const Photons& photons, const Accelerator* accelerator)
+        : direct(std::span<const Photon>(photons.direct), accelerator),
+          caustic(std::span<const Photon>(photons.caustic), accelerator),
+          indirect(std::span<const Photon>(photons.indirect), accelerator) {}
     SurfacePhotonMap direct, caustic, indirect;
     std::unique_ptr<RadiancePhotons> radiance;
     std::unique_ptr<FinalGather> gather;
@@ -204,7 +204,7 @@ void PhotonMap::prepare(PrepareContext& context) {
   if (!set.isComplete) return;
 
   const Photons photons = sortOut(set, gathers);
-  auto maps = std::make_unique<Maps>(photons);
+  auto maps = std::make_unique<Maps>(photons, &scene_.accelerator());
   if (gathers && !maps->indirect.isEmpty()) {
     const SurfacePhotonMap* const all[] = {&maps->direct, &maps->caustic, &maps->indirect};
     const RadianceLookup lookup{static_cast<std::size_t>(params_.nused), params_.maxdist,
