@@ -73,7 +73,8 @@ Vec3 endOfShadowRay(const Vec3& from, const LightSample& to) {
 
 }  // namespace
 
-Scene::Scene(Contents contents) : contents_(std::move(contents)) {
+Scene::Scene(Contents contents)
+    : contents_(std::move(contents)), coplanarLights_(contents_.groups.back().primitives) {
   accelerator_ = buildEmbreeAccelerator(contents_.groups);
   bounds_ = accelerator_->bounds();
 
@@ -101,25 +102,46 @@ std::optional<SurfaceInteraction> Scene::intersect(const FootprintRay& ray, Stat
   stats.add(Stat::IntersectionRays);
   const std::optional<SceneHit> hit = accelerator_->intersect(ray);
   if (!hit) return found;
+  found = interactionAt(ray, *hit);
+  if (!hit->instance && coplanarLights_.mayBeIn(*hit->primitive))
+    if (auto light = lightIn(ray, hit->shape.t, *found)) found = std::move(light);
+  found->computeFootprint(ray, Vec3(contents_.sceneOrigin));
+  return found;
+}
 
-  const Primitive& primitive = *hit->primitive;
+SurfaceInteraction Scene::interactionAt(const FootprintRay& ray, const SceneHit& hit) const {
+  const Primitive& primitive = *hit.primitive;
   const Material* material = primitive.material;
   const bool isPlain = !ray.differential && material && !material->usesTangents();
-  if (hit->instance) {
-    const Transform groupToScene = hit->instance->groupToParent.at(ray.time);
-    found = primitive.shape->interaction(groupToScene.inverse().ray(ray), hit->shape);
-    transformInteraction(groupToScene, *found);
+  SurfaceInteraction si;
+  if (hit.instance) {
+    const Transform groupToScene = hit.instance->groupToParent.at(ray.time);
+    si = primitive.shape->interaction(groupToScene.inverse().ray(ray), hit.shape);
+    transformInteraction(groupToScene, si);
   } else {
-    found = isPlain ? primitive.shape->interactionWithoutDerivatives(ray, hit->shape)
-                    : primitive.shape->interaction(ray, hit->shape);
+    si = isPlain ? primitive.shape->interactionWithoutDerivatives(ray, hit.shape)
+                 : primitive.shape->interaction(ray, hit.shape);
   }
-  SurfaceInteraction& si = *found;
   si.wo = -ray.d;
   si.time = ray.time;
   si.material = primitive.material;
   si.areaLight = primitive.areaLight;
-  si.computeFootprint(ray, Vec3(contents_.sceneOrigin));
-  return found;
+  return si;
+}
+
+/// The area light that lies in the surface which the ray meets at t, where it shines on the ray.
+std::optional<SurfaceInteraction> Scene::lightIn(const FootprintRay& ray, float t,
+                                                 const SurfaceInteraction& surface) const {
+  // Rounding of the places of both, along a ray that may graze them.
+  const float cosine = std::max(absDot(ray.d, surface.n), 1e-3f);
+  const float size = maxComponent(abs(surface.p)) + t;
+  const auto found = coplanarLights_.at(ray, t, 32 * kMachineEpsilon * size / cosine);
+  if (!found) return std::nullopt;
+  FootprintRay around(found->ray);
+  around.differential = ray.differential;
+  SurfaceInteraction light = interactionAt(around, found->hit);
+  if (light.areaLight->L(light.p, light.n, light.uv, light.wo).isBlack()) return std::nullopt;
+  return light;
 }
 
 bool Scene::isOccluded(const Ray& ray, Stats& stats) const {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/accelerator.h"
+#include "core/coplanar_lights.h"
 #include "core/file_cache.h"
 #include "core/light.h"
 #include "core/material.h"
@@ -61,7 +62,12 @@ class Scene {
 
  private:
   Contents contents_;
+  SurfaceInteraction interactionAt(const FootprintRay& ray, const SceneHit& hit) const;
+  std::optional<SurfaceInteraction> lightIn(const FootprintRay& ray, float t,
+                                            const SurfaceInteraction& surface) const;
+
   std::unique_ptr<Accelerator> accelerator_;
+  CoplanarLights coplanarLights_;
   std::unique_ptr<Volume> aggregate_;
   const Volume* volume_ = nullptr;
   std::vector<const Light*> infiniteLights_;

@@ -86,6 +86,86 @@ TEST_P(ClosedForm, UnevenGridsAreIntegratedExactly) {
   }
 }
 
+/// A disk that shines evenly, over a floor of albedo 1/2 at the origin.
+struct DiskLight {
+  std::string name, placed;
+  double formFactor;  ///< irradiance of the floor at the origin over pi L
+};
+
+/// Parallel to the floor at the height h, its centre r to the side, or upright at the distance r
+/// with its centre at the height h; of radius a. Source: Howell's catalogue, a differential element
+/// and a disk in parallel and in perpendicular planes.
+DiskLight parallelDisk(double a, double h, double r) {
+  const double H = h / r, R = a / r, Z = 1 + H * H + R * R;
+  return {
+      fmt::format("parallel {} {} {}", a, h, r),
+      fmt::format("Translate {} 0 {} Rotate 180 1 0 0 Shape \"disk\" \"float radius\" {}", r, h, a),
+      0.5 * (1 - (Z - 2 * R * R) / std::sqrt(Z * Z - 4 * R * R))};
+}
+DiskLight uprightDisk(double a, double h, double r) {
+  const double H = r / h, R = a / h, Z = 1 + H * H + R * R;
+  return {
+      fmt::format("upright {} {} {}", a, h, r),
+      fmt::format("Translate {} 0 {} Rotate -90 0 1 0 Shape \"disk\" \"float radius\" {}", r, h, a),
+      0.5 * H * (Z / std::sqrt(Z * Z - 4 * R * R) - 1)};
+}
+
+/// The judged method and those of PBRT-v2, whose light sampling is the same code.
+std::vector<Method> withSurfaceIntegrators(const Method& judged) {
+  return {judged,
+          {"path", "SurfaceIntegrator \"path\""},
+          {"directlighting", "SurfaceIntegrator \"directlighting\""}};
+}
+
+TEST_P(ClosedForm, DiskLightsShineByTheirFormFactor) {
+  for (const Method& method : withSurfaceIntegrators(GetParam()))
+    for (const DiskLight& disk :
+         {parallelDisk(0.05, 1, 2), parallelDisk(1, 0.5, 0.7), parallelDisk(0.5, 2, 0.1),
+          uprightDisk(0.1, 0.3, 1), uprightDisk(0.8, 0.9, 0.4), uprightDisk(0.5, 0.5, 3)}) {
+      const std::string light =
+          "AttributeBegin Material \"matte\" \"color Kd\" [0 0 0]\n"
+          "AreaLightSource \"diffuse\" \"color L\" [1 2 3] " +
+          disk.placed + " AttributeEnd\n";
+      const double seen = 0.5 * disk.formFactor;
+      expectRadiance(method, {"0 -3 0.2  0 0 0  0 0 1", floorAt(0, 50, 0.5) + light},
+                     {seen, 2 * seen, 3 * seen}, Form::Quick, method.name + " " + disk.name);
+    }
+}
+
+TEST_P(ClosedForm, LightsInThePlaneOfACeilingLoseNothing) {
+  // Rounding decides whether a ray meets the ceiling or the light first: a disk in a ceiling of two
+  // triangles, and one of triangles in a ceiling of many.
+  const double h = 1.7, a = 0.9, r = 0.4;
+  const DiskLight disk = parallelDisk(a, h, r);
+  std::string fine = "Shape \"trianglemesh\" \"integer indices\" [", points;
+  constexpr int kFan = 60;
+  for (int i = 0; i < kFan; ++i) {
+    const double angle = 2 * M_PI * i / kFan;
+    fine += fmt::format("0 {} {} ", 1 + i, 1 + (i + 1) % kFan);
+    points += fmt::format("{} {} 0 ", a * std::cos(angle), a * std::sin(angle));
+  }
+  fine += "] \"point P\" [0 0 0 " + points + "]\n";
+  // The polygon is smaller than the disk it stands in.
+  const double polygon = kFan / (2 * M_PI) * std::sin(2 * M_PI / kFan);
+  const std::string black = "Material \"matte\" \"color Kd\" [0 0 0]\n";
+  const std::string lamp = "AreaLightSource \"diffuse\" \"color L\" [1 1 1]\n";
+  const std::string there =
+      fmt::format("Translate {} 0 {} Rotate 90 0 0 1 Rotate 180 1 0 0 ", r, h);
+  for (const Method& method : withSurfaceIntegrators(GetParam()))
+    for (const bool isMesh : {false, true}) {
+      const std::string light = "AttributeBegin " + black + lamp +
+                                (isMesh ? there + fine : disk.placed) + "\nAttributeEnd\n";
+      const double seen = 0.5 * disk.formFactor * (isMesh ? polygon : 1);
+      expectRadiance(method,
+                     {"0.2 -3 0.2  0 0 0  0 0 1", floorAt(0, 50, 0.5) + light + floorAt(h, 20, 0)},
+                     gray3(seen), Form::Quick, method.name + (isMesh ? " mesh" : " disk"));
+      // From below the light is seen in all of its shape.
+      expectRadiance(method,
+                     {fmt::format("0.3 0.1 0  0.5 -0.2 {}  0 1 0", h), light + floorAt(h, 20, 0)},
+                     gray3(1), Form::Quick, method.name + " seen");
+    }
+}
+
 class OneScattering : public testing::TestWithParam<std::tuple<PhaseCase, Form>> {};
 
 TEST_P(OneScattering, OfParallelLightInASlab) {
