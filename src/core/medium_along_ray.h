@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/volume.h"
@@ -60,18 +61,21 @@ class MediumAlongRay {
   Interval occupied() const;
   const Ray& ray() const { return ray_; }
 
- private:
+  /// A stretch on which the same pieces are active.
   struct Span {
     double t0, t1;
-    std::uint32_t first, count;  ///< of the active pieces: indices_[first...]
+    std::uint32_t first, count;  ///< of the active pieces: see piece()
     Vec3d depth;                 ///< optical depth at t0
   };
-
-  static Rgb toFloat(const Vec3d& v) {
-    return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
-  }
+  std::span<const Span> spans() const { return spans_; }
+  /// Active piece i of a span.
   const MediumPiece& piece(const Span& s, std::uint32_t i) const {
     return pieces_[indices_[s.first + i]];
+  }
+
+ private:
+  static Rgb toFloat(const Vec3d& v) {
+    return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
   }
   void sweepOverlaps();
   void findMaxAlbedo();

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <mutex>
 #include <thread>
 
 namespace brume {
@@ -19,6 +20,18 @@ std::unique_ptr<tbb::global_control>& limit() {
   return control;
 }
 int requestedThreads = 0;
+
+/// The one arena of all loops, of its own size: more threads than cores are really started, so that
+/// tests of 7 threads test them. It is kept from loop to loop: TBB frees an arena late, and one for
+/// each loop let the memory of long renders grow by some 5 kB a loop.
+tbb::task_arena& arena() {
+  static std::mutex mutex;
+  static std::unique_ptr<tbb::task_arena> kept;
+  const std::lock_guard lock(mutex);
+  if (!kept || kept->max_concurrency() != threadCount())
+    kept = std::make_unique<tbb::task_arena>(threadCount());
+  return *kept;
+}
 
 }  // namespace
 
@@ -39,10 +52,7 @@ void forEachChunk(std::int64_t count, std::int64_t chunkSize,
                   const std::function<void(std::int64_t, std::int64_t, std::int64_t)>& body) {
   if (count <= 0) return;
   const std::int64_t chunks = (count + chunkSize - 1) / chunkSize;
-  // An arena of its own size: more threads than cores are really started, so that tests of 7
-  // threads test them.
-  tbb::task_arena arena(threadCount());
-  arena.execute([&] {
+  arena().execute([&] {
     tbb::parallel_for(
         std::int64_t{0}, chunks,
         [&](std::int64_t chunk) {

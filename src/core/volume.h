@@ -47,6 +47,12 @@ inline float phasePdf(const Rgb& value, const Rgb& carried) {
                  : value.average();
 }
 
+/// Part of a phase function at a point: weight times a Henyey-Greenstein function of g.
+struct PhaseLobe {
+  float g = 0;
+  Rgb weight{1.f};  ///< in each channel
+};
+
 /// A stretch of a ray on which a medium is `unit` times one scalar density known in closed form.
 struct MediumPiece {
   enum class Form {
@@ -122,6 +128,13 @@ class Volume {
   /// g of the one Henyey-Greenstein phase function of all points and channels (0: isotropic); none:
   /// it is another one.
   virtual std::optional<float> henyeyGreenstein() const { return std::nullopt; }
+  /// Appends Henyey-Greenstein lobes whose sum is the phase function at p; false, and nothing, when
+  /// it is another one. The answer's kind is the same at all points.
+  virtual bool appendLobes(const Vec3&, std::vector<PhaseLobe>& lobes) const {
+    const auto g = henyeyGreenstein();
+    if (g) lobes.push_back({*g, Rgb(1.f)});
+    return g.has_value();
+  }
 
   /// Phase function at p for each channel [1/sr]. Where volumes overlap it is the mean weighted by
   /// the channel's sigma_s, so that sigma_s * phase is the sum of what each of them scatters. Each

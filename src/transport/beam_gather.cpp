@@ -5,6 +5,7 @@
 #include <bit>
 
 #include "accelerators/lanes_math.h"
+#include "transport/depth_tables.h"
 
 namespace brume {
 namespace {
@@ -76,6 +77,40 @@ struct CellOfPhoton {
   BlockRange blocks;
 };
 
+/// The media along a tile's beams.
+class TileMedia {
+ public:
+  TileMedia(const BeamQuadtree& tree, BlockRange blocks, const MediumOfBeam& mediumOf,
+            DepthTables& tables)
+      : tree_(tree), firstSlot_(blocks.begin * kLanes), mediumOf_(mediumOf), tables_(tables) {
+    tables_.reset((blocks.end - blocks.begin) * kLanes);
+  }
+  DepthTables::Depth depthAt(std::size_t slot, float s) {
+    if (!tables_.isFilled(slot - firstSlot_)) fill(slot);
+    return tables_.at(slot - firstSlot_, s);
+  }
+
+ private:
+  [[gnu::noinline]] void fill(std::size_t slot) {
+    thread_local MediumAlongRay medium;  // reused, so that its memory is
+    mediumOf_(tree_.slotBeams()[slot], medium);
+    tables_.fill(slot - firstSlot_, medium,
+                 tree_.view().startsOf(static_cast<std::uint32_t>(slot / kLanes))[slot % kLanes]);
+  }
+
+  const BeamQuadtree& tree_;
+  std::size_t firstSlot_;
+  const MediumOfBeam& mediumOf_;
+  DepthTables& tables_;
+};
+
+/// Room for a group of photons with all of their lobes.
+struct LobeScratch {
+  CellLists lists;
+  std::vector<PhotonState> states;
+  std::array<std::uint32_t, kPhotonGroup + 1> begin;  ///< of each photon's states
+};
+
 /// Room for a group of photons.
 struct GroupScratch {
   CellLists lists;
@@ -89,6 +124,7 @@ using namespace lanes_generic;
 #include "accelerators/beam_search.inl"
 #include "accelerators/lanes_exp.inl"
 #include "transport/beam_gather.inl"
+#include "transport/beam_gather_media.inl"
 #undef BRUME_KERNEL
 }  // namespace generic
 
@@ -99,6 +135,7 @@ using namespace lanes_avx2;
 #include "accelerators/beam_search.inl"
 #include "accelerators/lanes_exp.inl"
 #include "transport/beam_gather.inl"
+#include "transport/beam_gather_media.inl"
 #undef BRUME_KERNEL
 }  // namespace avx2
 #else
@@ -167,6 +204,14 @@ void flush(const BeamQuadtree& tree, const TileGather& gather, std::uint32_t b,
   block = {};
 }
 
+void flushAll(const BeamQuadtree& tree, const TileGather& gather, std::span<BeamSum> sums,
+              std::span<const std::uint32_t> sumOfSlot) {
+  for (std::uint32_t b = gather.blocks.begin; b < gather.blocks.end; ++b) {
+    if (b + kBlocksAhead < gather.blocks.end) fetchAhead(b + kBlocksAhead, sums, sumOfSlot);
+    flush(tree, gather, b, sums, sumOfSlot);
+  }
+}
+
 void gatherTile(const BeamQuadtree& tree, std::size_t tile, std::span<const BeamPhoton> photons,
                 std::span<const std::uint32_t> indices, const Rgb& sigma_t, std::span<BeamSum> sums,
                 std::span<const std::uint32_t> sumOfSlot) {
@@ -176,28 +221,93 @@ void gatherTile(const BeamQuadtree& tree, std::size_t tile, std::span<const Beam
     const auto some = indices.first(std::min(indices.size(), kPhotonsInFloat));
     indices = indices.subspan(some.size());
     gatherSome(tree, gather, photons, some);
-    for (std::uint32_t b = gather.blocks.begin; b < gather.blocks.end; ++b) {
-      if (b + kBlocksAhead < gather.blocks.end) fetchAhead(b + kBlocksAhead, sums, sumOfSlot);
-      flush(tree, gather, b, sums, sumOfSlot);
+    flushAll(tree, gather, sums, sumOfSlot);
+  }
+}
+
+/// The states of a group's photons, lobe by lobe.
+void findStates(std::span<const BeamPhoton> photons, std::span<const BeamLobe> lobes,
+                std::span<const std::uint32_t> indices, LobeScratch& scratch) {
+  scratch.states.clear();
+  for (std::size_t i = 0; i < indices.size(); ++i) {
+    scratch.begin[i] = static_cast<std::uint32_t>(scratch.states.size());
+    BeamPhoton photon = photons[indices[i]];
+    scratch.states.push_back(stateOf(photon));
+    for (const BeamLobe& lobe : lobes.subspan(photon.lobesBegin, photon.lobeCount)) {
+      photon.power = lobe.power;
+      photon.g = lobe.g;
+      scratch.states.push_back(stateOf(photon));
     }
   }
+  scratch.begin[indices.size()] = static_cast<std::uint32_t>(scratch.states.size());
+}
+
+void gatherTileInMedia(const BeamQuadtree& tree, std::size_t tile,
+                       std::span<const BeamPhoton> photons, std::span<const BeamLobe> lobes,
+                       std::span<const std::uint32_t> indices, const MediumOfBeam& mediumOf,
+                       std::span<BeamSum> sums, std::span<const std::uint32_t> sumOfSlot) {
+  thread_local DepthTables tables;  // reused, so that its memory is
+  std::vector<BlockSums> ofBlocks;
+  TileGather gather{};
+  gather.tile = tile;
+  gather.blocks = tree.blocksOf(tile);
+  gather.isWide = true;  // transmittance is counted from each beam's start
+  ofBlocks.resize(gather.blocks.end - gather.blocks.begin);
+  gather.sums = ofBlocks.data();
+  TileMedia media(tree, gather.blocks, mediumOf, tables);
+  LobeScratch scratch;
+  while (!indices.empty()) {
+    auto some = indices.first(std::min(indices.size(), kPhotonsInFloat));
+    indices = indices.subspan(some.size());
+    for (; !some.empty(); some = some.subspan(std::min(kPhotonGroup, some.size()))) {
+      const auto group = some.first(std::min(kPhotonGroup, some.size()));
+      findStates(photons, lobes, group, scratch);
+      if (hasAvx2())
+        avx2::gatherGroupInMedia(tree.view(), gather, media, group.size(), scratch);
+      else
+        generic::gatherGroupInMedia(tree.view(), gather, media, group.size(), scratch);
+    }
+    flushAll(tree, gather, sums, sumOfSlot);
+  }
+}
+
+/// Calls body(tile, indices, sums, sumOfSlot) and adds what the pieces of beams got to the beams.
+template <class Body>
+void forEachTileWithSums(const BeamQuadtree& tree, std::span<const BeamPhoton> photons,
+                         std::span<BeamSum> sums, const Body& body) {
+  const auto slotBeams = tree.slotBeams();
+  std::vector<BeamSum> slotSums(tree.hasPieces() ? slotBeams.size() : 0);
+  tree.forEachTile(PhotonPositions(photons, &BeamPhoton::p),
+                   [&](std::size_t tile, std::span<const std::uint32_t> indices) {
+                     if (tree.hasPieces())
+                       body(tile, indices, std::span(slotSums), std::span<const std::uint32_t>());
+                     else
+                       body(tile, indices, sums, slotBeams);
+                   });
+  for (std::size_t slot = 0; slot < slotSums.size(); ++slot)
+    if (slotSums[slot].count > 0) sums[slotBeams[slot]] += slotSums[slot];
 }
 
 }  // namespace
 
 void gatherHomogeneous(const BeamQuadtree& tree, std::span<const BeamPhoton> photons,
                        const Rgb& sigma_t, std::span<BeamSum> sums) {
-  const auto slotBeams = tree.slotBeams();
-  std::vector<BeamSum> slotSums(tree.hasPieces() ? slotBeams.size() : 0);
-  tree.forEachTile(PhotonPositions(photons, &BeamPhoton::p),
-                   [&](std::size_t tile, std::span<const std::uint32_t> indices) {
-                     if (tree.hasPieces())
-                       gatherTile(tree, tile, photons, indices, sigma_t, slotSums, {});
-                     else
-                       gatherTile(tree, tile, photons, indices, sigma_t, sums, slotBeams);
-                   });
-  for (std::size_t slot = 0; slot < slotSums.size(); ++slot)
-    if (slotSums[slot].count > 0) sums[slotBeams[slot]] += slotSums[slot];
+  forEachTileWithSums(tree, photons, sums,
+                      [&](std::size_t tile, std::span<const std::uint32_t> indices,
+                          std::span<BeamSum> to, std::span<const std::uint32_t> sumOfSlot) {
+                        gatherTile(tree, tile, photons, indices, sigma_t, to, sumOfSlot);
+                      });
+}
+
+void gatherInMedia(const BeamQuadtree& tree, std::span<const BeamPhoton> photons,
+                   std::span<const BeamLobe> lobes, const MediumOfBeam& mediumOf,
+                   std::span<BeamSum> sums) {
+  forEachTileWithSums(tree, photons, sums,
+                      [&](std::size_t tile, std::span<const std::uint32_t> indices,
+                          std::span<BeamSum> to, std::span<const std::uint32_t> sumOfSlot) {
+                        gatherTileInMedia(tree, tile, photons, lobes, indices, mediumOf, to,
+                                          sumOfSlot);
+                      });
 }
 
 }  // namespace brume

@@ -1,20 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 // Evaluation of photons in the beams of a tile, included once for each kind of Lanes (lanes.h),
-// after accelerators/lanes_exp.inl
-// and accelerators/beam_search.inl.
+// after accelerators/lanes_exp.inl and accelerators/beam_search.inl.
+
+/// K2 without its factor.
+BRUME_KERNEL inline Lanes kernelOf(const BeamTreeView::Block& block, const Lanes& d2) {
+  const Lanes q = Lanes::all(1.f) - d2 * load(block.inverseRadius2);
+  return q * q;
+}
 
 /// K2 times the phase function, without their constant factors.
 template <bool kIsotropic>
 BRUME_KERNEL inline Lanes weightOf(const BeamTreeView::Block& block, const PhotonState& photon,
-                                   const Lanes& d2) {
-  const Lanes q = Lanes::all(1.f) - d2 * load(block.inverseRadius2);
-  if constexpr (kIsotropic) return q * q;
+                                   const Lanes& K2) {
+  if constexpr (kIsotropic) return K2;
   const Lanes ex = load(block.dx) + Lanes::all(photon.w.x);
   const Lanes ey = load(block.dy) + Lanes::all(photon.w.y);
   const Lanes ez = load(block.dz) + Lanes::all(photon.w.z);
   const Lanes denominator =
       Lanes::all(photon.oneMinusA2) + Lanes::all(photon.a) * (ex * ex + ey * ey + ez * ez);
-  return q * q / (denominator * sqrt(denominator));
+  return K2 / (denominator * sqrt(denominator));
 }
 
 BRUME_KERNEL inline Lanes seriesAt(const std::array<float, 4>& c, const Lanes& x) {
@@ -51,7 +55,7 @@ BRUME_KERNEL inline void addToBlock(const BeamTreeView& tree, const TileGather& 
   const Lanes mask = insideMask(block, foot);
   BlockSums& sums = tile.sums[b - tile.blocks.begin];
   countLanes(mask, sums.count.data());
-  const Lanes weight = weightOf<kIsotropic>(block, photon, foot.d2) & mask;
+  const Lanes weight = weightOf<kIsotropic>(block, photon, kernelOf(block, foot.d2)) & mask;
   // Neighbouring beams have the photon at nearly the same t.
   const Lanes x = (Lanes::all(photon.tKnown) - foot.t) & mask, reach = Lanes::all(tile.reach);
   const LaneMask isNear =

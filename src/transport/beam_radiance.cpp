@@ -69,22 +69,54 @@ VolumePhotons::VolumePhotons(const Volume& volume, std::span<const Photon> photo
                          static_cast<std::uint32_t>(i));
   std::sort(order.begin(), order.end());
 
-  const auto uniform = volume.uniform();
   photons_.reserve(order.size());
+  std::vector<PhaseLobe> lobes;
   for (const auto& [code, i] : order) {
     const Photon& photon = photons[i];
     const Rgb scattered = photon.power * albedoOf(volume.at(photon.p));
     if (scattered.isBlack()) continue;
-    photons_.push_back({photon.p, -photon.wi.unpack(), scattered, uniform ? uniform->g : 0.f});
+    lobes.clear();
+    haveLobes_ = volume.appendLobes(photon.p, lobes);
+    BeamPhoton to{photon.p, -photon.wi.unpack(), scattered, 0, 0, 0};
+    if (haveLobes_) {
+      to.g = lobes[0].g;
+      to.power = scattered * lobes[0].weight;
+      to.lobesBegin = static_cast<std::uint32_t>(lobes_.size());
+      to.lobeCount = static_cast<std::uint32_t>(lobes.size() - 1);
+      for (std::size_t k = 1; k < lobes.size(); ++k)
+        lobes_.push_back({scattered * lobes[k].weight, lobes[k].g});
+    }
+    photons_.push_back(to);
   }
 }
+
+namespace {
+
+/// albedo(p) alpha, of all lobes.
+Rgb scatteredPower(const VolumePhotons& photons, const BeamPhoton& photon) {
+  Rgb sum = photon.power;
+  for (const BeamLobe& lobe : photons.moreLobes().subspan(photon.lobesBegin, photon.lobeCount))
+    sum += lobe.power;
+  return sum;
+}
+
+}  // namespace
 
 std::vector<BeamSum> gatherBeams(const Volume& volume, const OwnedBeams& beams,
                                  const BeamLookup& lookup, const VolumePhotons& photons) {
   std::vector<BeamSum> sums(beams.beams.size());
-  const auto uniform = volume.uniform();
-  if (const auto* tree = dynamic_cast<const BeamQuadtree*>(&lookup); tree && uniform) {
-    gatherHomogeneous(*tree, photons.all(), uniform->coefficients.sigma_t(), sums);
+  if (const auto* tree = dynamic_cast<const BeamQuadtree*>(&lookup); tree && photons.haveLobes()) {
+    if (const auto uniform = volume.uniform()) {
+      gatherHomogeneous(*tree, photons.all(), uniform->coefficients.sigma_t(), sums);
+      return sums;
+    }
+    gatherInMedia(
+        *tree, photons.all(), photons.moreLobes(),
+        [&](std::uint32_t beam, MediumAlongRay& medium) {
+          const Beam& b = beams.beams[beam];
+          medium.assign(volume, Ray{b.o, b.d, b.t1, beams.owners[beam].time}, {b.t0, b.t1});
+        },
+        sums);
     return sums;
   }
   const std::uint64_t owner = ++lastOwner;
@@ -97,7 +129,7 @@ std::vector<BeamSum> gatherBeams(const Volume& volume, const OwnedBeams& beams,
         const Rgb Tr = media.along(owner, volume, beams, b).transmittance(foot.t);
         const Rgb phase = volume.phase(photon.p, -beam.d, -photon.w);
         const DiscKernel K2(sqr(beam.radius));
-        const Rgb L = Tr * photon.power * phase * K2(foot.d2);
+        const Rgb L = Tr * scatteredPower(photons, photon) * phase * K2(foot.d2);
         sum += BeamSum{double{L.r}, double{L.g}, double{L.b}, 1};
       });
   return sums;

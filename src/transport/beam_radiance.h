@@ -20,16 +20,22 @@ class VolumePhotons {
   VolumePhotons(const Volume& volume, std::span<const Photon> photons);
 
   std::span<const BeamPhoton> all() const { return photons_; }
+  /// What BeamPhoton::lobesBegin counts in.
+  std::span<const BeamLobe> moreLobes() const { return lobes_; }
+  /// The phase functions are sums of lobes: those of the photons.
+  bool haveLobes() const { return haveLobes_; }
   PhotonPositions positions() const { return {all(), &BeamPhoton::p}; }
 
  private:
   std::vector<BeamPhoton> photons_;
+  std::vector<BeamLobe> lobes_;
+  bool haveLobes_ = true;
 };
 
 /// The beam radiance estimate of every beam:
 ///   sum_{i: d_i < r} Tr(t0, t_i) albedo(x_i) f_p(w_i, w) alpha_i K2(d_i; r)     [W m^-2 sr^-1]
-/// One uniform medium and a quadtree take the vectorised gatherHomogeneous; else the media along a
-/// beam are looked up, piece by piece.
+/// A quadtree takes gatherHomogeneous or gatherInMedia, eight beams at a time; other lookups, and
+/// phase functions without lobes, go pair by pair.
 std::vector<BeamSum> gatherBeams(const Volume& volume, const OwnedBeams& beams,
                                  const BeamLookup& lookup, const VolumePhotons& photons);
 

@@ -31,6 +31,7 @@ class BeamCollector final : public CameraPathVisitor {
     OwnedBeams& to = bounces == 0 ? tile_.primary : tile_.secondary;
     const float radius =
         options_.pixelRadii.empty() ? options_.beamRadius : options_.pixelRadii[pixel_];
+    if (to.beams.empty()) to.reserve(static_cast<std::size_t>(tile_.pixels.area()));
     to.beams.push_back({ray.o, range.t0, ray.d, range.t1, radius, pixel_});
     to.owners.push_back({static_cast<std::uint32_t>(tile_.samples.size()), weight, ray.time});
   }
@@ -51,6 +52,7 @@ void traceTile(const PassContext& context, const CameraPaths& paths,
                const CameraBeamOptions& options, const Bounds2i& all, TileBeams& tile) {
   const std::unique_ptr<PixelSampler> sampler = context.sampler.makePixelSampler(context.seed);
   RenderContext render{*sampler, tile.stats};
+  tile.samples.reserve(static_cast<std::size_t>(tile.pixels.area()));
   for (int y = tile.pixels.lo.y; y < tile.pixels.hi.y; ++y)
     for (int x = tile.pixels.lo.x; x < tile.pixels.hi.x; ++x) {
       sampler->startPixel({x, y});
@@ -105,6 +107,18 @@ CameraBeams traceCameraBeams(const PassContext& context, const CameraPaths& path
   CameraBeams result;
   result.pixels = all;
   if (context.stop.load(std::memory_order_relaxed)) return result;
+  // Room for all at once: arrays that grow leave holes, and the memory of many passes would creep
+  // up.
+  std::size_t samples = 0, primary = 0, secondary = 0;
+  for (const TileBeams& tile : tiles) {
+    samples += tile.samples.size();
+    primary += tile.primary.beams.size();
+    secondary += tile.secondary.beams.size();
+  }
+  result.samples.reserve(samples);
+  result.tiles.reserve(tiles.size());
+  result.primary.reserve(primary);
+  result.secondary.reserve(secondary);
   for (TileBeams& tile : tiles) {
     const auto first = static_cast<std::uint32_t>(result.samples.size());
     for (OwnedBeams* beams : {&tile.primary, &tile.secondary})

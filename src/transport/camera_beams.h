@@ -24,6 +24,10 @@ struct BeamOwner {
 struct OwnedBeams {
   std::vector<Beam> beams;
   std::vector<BeamOwner> owners;
+  void reserve(std::size_t count) {
+    beams.reserve(count);
+    owners.reserve(count);
+  }
   void append(const OwnedBeams& o) {
     beams.insert(beams.end(), o.beams.begin(), o.beams.end());
     owners.insert(owners.end(), o.owners.begin(), o.owners.end());

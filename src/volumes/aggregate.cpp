@@ -102,6 +102,22 @@ class Aggregate final : public Volume {
     return sum;
   }
 
+  bool appendLobes(const Vec3& p, std::vector<PhaseLobe>& lobes) const override {
+    const std::size_t before = lobes.size();
+    const Rgb total = at(p).sigma_s;
+    for (const Volume* v : volumes_) {
+      const auto g = v->henyeyGreenstein();
+      if (!g) {
+        lobes.resize(before);
+        return false;
+      }
+      const Rgb share = total.isBlack() ? Rgb(v == volumes_.front() ? 1.f : 0.f)
+                                        : shareOf(v->at(p).sigma_s, total);
+      if (!share.isBlack()) lobes.push_back({*g, share});
+    }
+    return true;
+  }
+
   ScatterSample samplePhase(const Vec3& p, const Vec3& wo, const Rgb& carried, float uComponent,
                             Vec2 u) const override {
     const Rgb total = at(p).sigma_s;
