@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Writes the files of scenes/data: grids of smoke and flame, a slide, the pattern of a lamp.
+"""Writes the files of scenes/data: grids of smoke and flame, a slide, the pattern of a lamp; and the
+drifting smoke of scenes/report/data beside it.
 
 A grid is the beginning of a Volume; the scene includes it and goes on with the other parameters. All
 fields are analytic, with value noise from a hash, so that every machine writes the same files:
@@ -65,6 +66,13 @@ def flame(x, y, z):
     return smooth(1.15, 0.05, r + 0.8 * (licks - 0.5)) * smooth(0, 0.05, y) * smooth(1, 0.8, y)
 
 
+def drifts(x, y, z):
+    """Smoke that fills a room in sheets and curls, denser below; x, z in [-1, 1], y in [0, 1]."""
+    bend = [noise([2 * x + 3, 3 * y + k, 2 * z + 7 * k]) - 0.5 for k in (1, 2)]
+    sheet = turbulence([1.6 * x + 2 * bend[0] + 4, 4 * y + bend[1] + 1, 1.6 * z + 2 * bend[1] + 6])
+    return smooth(0.32, 0.72, sheet) * (1.1 - 0.6 * y)
+
+
 def write_grid(path, field, nx, ny, nz):
     lines = []
     for k in range(nz):
@@ -118,6 +126,7 @@ def main():
     folder = pathlib.Path(sys.argv[1])
     write_grid(folder / "smoke.pbrt", smoke, 28, 40, 28)
     write_grid(folder / "flame.pbrt", flame, 24, 36, 24)
+    write_grid(folder.parent / "report" / "data" / "drifts.pbrt", drifts, 26, 18, 26)
     write_png(folder / "window.png", window, 64, 64)
     write_png(folder / "lamp.png", lamp, 64, 32)
 

@@ -23,6 +23,7 @@ Rgb flightChannels(const Rgb& power);
 /// Draws the distance by one channel's optical depth and divides by the mean of the channels'
 /// densities (balance heuristic), so that no weight exceeds 1 / (share of its channel).
 ///   pdf(t) = sum_c channels_c sigma_t,c(t) Tr_c(t)                          [1/length]
+/// Both numbers have 24 bits; together they draw the depth with 48. Test: free_flight_test.
 FreeFlight sampleFreeFlight(const MediumAlongRay& medium, const Rgb& channels, float uChannel,
                             float uDepth);
 

@@ -43,12 +43,12 @@ struct Viewer {
         factor(double{kInv4Pi} * (1 - double{a}) * (1 + double{a})) {}
 };
 
-/// Transmittance along a beam: exp(-sigma_t (t - t0)), or known for each photon of a batch.
-struct BeamTransmittance {
+/// Optical depths along a beam: sigma_t (t - t0), or known for each photon of a batch.
+struct BeamDepths {
   using Known = std::array<std::array<float, PhotonKdTree::kBatch + kLanes>, 3>;
   float t0 = 0;
   std::array<float, 3> sigma_t{};
-  bool isGrey = false;
+  bool isGrey = false;  ///< the first channel's hold for all
   const Known* known = nullptr;
 };
 
@@ -83,15 +83,16 @@ Rgb turned(const VolumePhotonMap& map, std::size_t photon, const Vec3& p, const 
   return map.isIsotropic() ? power * kInv4Pi : power * map.volume().phase(p, wo, map.wi(photon));
 }
 
-BeamTransmittance transmittanceOf(const VolumePhotonMap& map, const MediumAlongRay& medium) {
-  BeamTransmittance Tr;
+/// Without the known ones.
+BeamDepths depthsOf(const VolumePhotonMap& map, const MediumAlongRay& medium) {
+  BeamDepths depths;
+  depths.t0 = medium.range().t0;
+  depths.isGrey = medium.isGrey();
   if (const auto uniform = map.volume().uniform()) {
     const Rgb sigma_t = uniform->coefficients.sigma_t();
-    Tr.t0 = medium.range().t0;
-    Tr.sigma_t = {sigma_t.r, sigma_t.g, sigma_t.b};
-    Tr.isGrey = sigma_t.r == sigma_t.g && sigma_t.g == sigma_t.b;
+    depths.sigma_t = {sigma_t.r, sigma_t.g, sigma_t.b};
   }
-  return Tr;
+  return depths;
 }
 
 /// Fills the last row of a batch with copies that do not count.
@@ -107,29 +108,27 @@ void completeRow(PhotonBvh::Found& batch, std::size_t count) {
 BeamEstimate beamRadianceInLanes(const VolumePhotonMap& map, const PhotonBvh& bvh,
                                  const MediumAlongRay& medium, const Viewer& viewer) {
   const Ray& ray = medium.ray();
-  BeamTransmittance transmittance = transmittanceOf(map, medium);
-  const bool isUniform = map.volume().uniform().has_value();
-  BeamTransmittance::Known known;
-  if (!isUniform) transmittance.known = &known;
+  BeamDepths depths = depthsOf(map, medium);
+  BeamDepths::Known known{};
+  if (!map.volume().uniform()) depths.known = &known;
   RgbSum sum;
   std::uint64_t photons = 0;
-  bvh.forEachBatchInBeam(
-      {ray.o, ray.d, medium.range()}, [&](PhotonBvh::Found& batch, std::size_t count) {
-        completeRow(batch, count);
-        for (std::size_t i = 0; !isUniform && i < count; ++i) {
-          const Rgb Tr = medium.transmittance(batch.t[i]);
-          known[0][i] = Tr.r, known[1][i] = Tr.g, known[2][i] = Tr.b;
-        }
-        for (std::size_t i = count; !isUniform && i % kLanes != 0; ++i)
-          known[0][i] = known[1][i] = known[2][i] = 0;
-        LaneSums some;
-        if (hasAvx2())
-          avx2::addBeam(map.rows(), viewer, transmittance, batch, count, some);
-        else
-          generic::addBeam(map.rows(), viewer, transmittance, batch, count, some);
-        some.addTo(sum);
-        photons += count;
-      });
+  bvh.forEachBatchInBeam({ray.o, ray.d, medium.range()},
+                         [&](PhotonBvh::Found& batch, std::size_t count) {
+                           completeRow(batch, count);
+                           for (std::size_t i = 0; depths.known != nullptr && i < count; ++i) {
+                             const Vec3d depth = medium.depthAt(double{batch.t[i]});
+                             for (std::size_t c = 0; c < 3; ++c)
+                               known[c][i] = static_cast<float>(depth[static_cast<int>(c)]);
+                           }
+                           LaneSums some;
+                           if (hasAvx2())
+                             avx2::addBeam(map.rows(), viewer, depths, batch, count, some);
+                           else
+                             generic::addBeam(map.rows(), viewer, depths, batch, count, some);
+                           some.addTo(sum);
+                           photons += count;
+                         });
   return {sum.times(viewer.factor * 3 / M_PI), photons};
 }
 

@@ -33,7 +33,7 @@ BRUME_KERNEL inline void addTo(std::array<float, kLanes>& sum, const Lanes& term
 /// The photons that a search found along a beam, their number rounded up to whole rows.
 template <bool kIsotropic>
 BRUME_KERNEL inline void addAlongBeam(const float* photons, const Viewer& viewer,
-                                      const BeamTransmittance& medium,
+                                      const BeamDepths& depths,
                                       const PhotonBvh::Found& found, std::size_t count,
                                       LaneSums& sums) {
   for (std::size_t i = 0; i < count; i += kLanes) {
@@ -41,17 +41,19 @@ BRUME_KERNEL inline void addAlongBeam(const float* photons, const Viewer& viewer
     const Lanes inverse = Lanes::all(1.f) / Lanes::load(found.radii2.data() + i);
     const Lanes q = Lanes::all(1.f) - Lanes::load(found.distances2.data() + i) * inverse;
     const Lanes weight = q * q * inverse * phaseOf<kIsotropic>(viewer, photon.c3);
-    const Lanes way = Lanes::load(found.t.data() + i) - Lanes::all(medium.t0);
+    const Lanes way = Lanes::load(found.t.data() + i) - Lanes::all(depths.t0);
+    const auto minusDepth = [&](std::size_t c) BRUME_KERNEL {
+      return depths.known != nullptr
+                 ? Lanes::all(0.f) - Lanes::load((*depths.known)[c].data() + i)
+                 : way * Lanes::all(-depths.sigma_t[c]);
+    };
     const Lanes* const powers[] = {&photon.c0, &photon.c1, &photon.c2};
-    if (medium.isGrey) {
-      const Lanes gray = weight * expOf(way * Lanes::all(-medium.sigma_t[0]));
-      for (std::size_t c = 0; c < 3; ++c) addTo(sums.L[c], *powers[c] * gray);
-      continue;
-    }
-    for (std::size_t c = 0; c < 3; ++c) {
-      const Lanes Tr = medium.known != nullptr ? Lanes::load((*medium.known)[c].data() + i)
-                                               : expOf(way * Lanes::all(-medium.sigma_t[c]));
-      addTo(sums.L[c], *powers[c] * weight * Tr);
+    if (depths.isGrey) {
+      const Lanes grey = weight * expOf(minusDepth(0));
+      for (std::size_t c = 0; c < 3; ++c) addTo(sums.L[c], *powers[c] * grey);
+    } else {
+      for (std::size_t c = 0; c < 3; ++c)
+        addTo(sums.L[c], *powers[c] * weight * expOf(minusDepth(c)));
     }
   }
 }
@@ -88,12 +90,12 @@ BRUME_KERNEL inline std::size_t keepNearer(float radius2, std::uint32_t* indices
 }
 
 BRUME_KERNEL inline void addBeam(const float* photons, const Viewer& viewer,
-                                 const BeamTransmittance& medium, const PhotonBvh::Found& found,
+                                 const BeamDepths& depths, const PhotonBvh::Found& found,
                                  std::size_t count, LaneSums& sums) {
   if (viewer.a == 0)
-    addAlongBeam<true>(photons, viewer, medium, found, count, sums);
+    addAlongBeam<true>(photons, viewer, depths, found, count, sums);
   else
-    addAlongBeam<false>(photons, viewer, medium, found, count, sums);
+    addAlongBeam<false>(photons, viewer, depths, found, count, sums);
 }
 
 BRUME_KERNEL inline void addPoint(const float* photons, const Viewer& viewer,
