@@ -57,16 +57,35 @@ std::atomic<std::uint64_t> lastOwner{0};
 
 }  // namespace
 
-VolumePhotons::VolumePhotons(const Volume& volume, std::span<const Photon> photons) {
+Bounds3 reachOf(std::span<const Beam> beams) {
+  Bounds3 bounds;
+  for (const Beam& beam : beams) {
+    if (beam.isEmpty()) continue;
+    const Vec3 a = beam.o + beam.t0 * beam.d, b = beam.o + beam.t1 * beam.d;
+    // isInBeam rounds, and so does what stands here.
+    const float coordinate = maxComponent(max(abs(beam.o), max(abs(a), abs(b))));
+    const Vec3 around(1.001f * beam.radius +
+                      4 * kBeamSlack * (coordinate + std::abs(beam.t0) + std::abs(beam.t1)));
+    bounds.extend(Bounds3{min(a, b) - around, max(a, b) + around});
+  }
+  return bounds;
+}
+
+VolumePhotons::VolumePhotons(const Volume& volume, std::span<const Photon> photons,
+                             const Bounds3& reach) {
   // Along a space-filling curve; equal codes keep their order.
   const Bounds3 bounds = volume.bounds();
   const Vec3 scale = Vec3(1) / max(bounds.diagonal(), Vec3(std::numeric_limits<float>::min()));
   std::vector<std::pair<std::uint32_t, std::uint32_t>> order;
   order.reserve(photons.size());
-  for (std::size_t i = 0; i < photons.size(); ++i)
-    if (!photons[i].isOnSurface())
+  for (std::size_t i = 0; i < photons.size(); ++i) {
+    if (photons[i].isOnSurface()) continue;
+    if (reach.contains(photons[i].p))
       order.emplace_back(mortonCode((photons[i].p - bounds.lo) * scale),
                          static_cast<std::uint32_t>(i));
+    else
+      ++outside_;
+  }
   std::sort(order.begin(), order.end());
 
   photons_.reserve(order.size());

@@ -13,23 +13,32 @@
 
 namespace brume {
 
+inline constexpr Bounds3 kEverywhere{Vec3(-kInfinity), Vec3(kInfinity)};
+/// All points that the beams may contain, rounding included.
+Bounds3 reachOf(std::span<const Beam> beams);
+
 /// The photons of a pass as beams need them, in an order in which neighbours are near each other.
 class VolumePhotons {
  public:
-  /// Takes the volume photons among the given ones.
-  VolumePhotons(const Volume& volume, std::span<const Photon> photons);
+  /// Takes the volume photons among the given ones. Those outside of `reach` are left out: none of
+  /// the beams can receive them (reachOf).
+  VolumePhotons(const Volume& volume, std::span<const Photon> photons,
+                const Bounds3& reach = kEverywhere);
 
   std::span<const BeamPhoton> all() const { return photons_; }
   /// What BeamPhoton::lobesBegin counts in.
   std::span<const BeamLobe> moreLobes() const { return lobes_; }
   /// The phase functions are sums of lobes: those of the photons.
   bool haveLobes() const { return haveLobes_; }
+  /// How many volume photons were left out.
+  std::size_t outsideCount() const { return outside_; }
   PhotonPositions positions() const { return {all(), &BeamPhoton::p}; }
 
  private:
   std::vector<BeamPhoton> photons_;
   std::vector<BeamLobe> lobes_;
   bool haveLobes_ = true;
+  std::size_t outside_ = 0;
 };
 
 /// The beam radiance estimate of every beam:

@@ -326,7 +326,12 @@ bool Pvpm::renderPass(const PassContext& context, const std::function<void(doubl
   onShare(0.6);
 
   if (beamRadius_) {
-    const VolumePhotons inMedium(*scene_.volume(), photons);
+    Bounds3 reach = reachOf(camera.primary.beams);
+    reach.extend(reachOf(camera.secondary.beams));
+    const VolumePhotons inMedium(*scene_.volume(), photons, reach);
+    if (context.pass == 0 && inMedium.outsideCount() > 0)
+      context.log.verbose(fmt::format("pvpm: {} photons of the first pass lie outside of all beams",
+                                      inMedium.outsideCount()));
     gather(camera.primary, inMedium, &camera.pixels, camera, context.stats);
     gather(camera.secondary, inMedium, nullptr, camera, context.stats);
     if (context.stop.load(std::memory_order_relaxed)) return false;
