@@ -34,6 +34,7 @@ void Bsdf::reset(const Vec3& ns, const Vec3& dpdu, const Vec3& ng) {
   ng_ = ng;
   presentScale_ = Rgb(1.f);
   count_ = 0;
+  hasSpecular_ = false;
 }
 
 void Bsdf::checkRoom() const { BRUME_CHECK(count_ < kMaxLobes); }
@@ -67,52 +68,64 @@ Rgb Bsdf::f(const Vec3& wo, const Vec3& wi, LobeFlags accepted) const {
   return sum;
 }
 
+Bsdf::Choice Bsdf::choiceOf(const Vec3& wo, LobeFlags accepted) const {
+  Choice choice;
+  for (int k = 0; k < count_; ++k)
+    if (lobe(k).matches(accepted)) choice.lobes[static_cast<std::size_t>(choice.count++)] = k;
+  const auto n = static_cast<std::size_t>(choice.count);
+  float sum = 0;
+  if (hasSpecular_ && n > 1 && (accepted & kSpecular))
+    for (std::size_t j = 0; j < n; ++j) {
+      const int k = choice.lobes[j];
+      choice.probability[j] = std::max(0.f, scale_[k].average() * lobe(k).weight(wo));
+      sum += choice.probability[j];
+    }
+  for (std::size_t j = 0; j < n; ++j)
+    choice.probability[j] = sum > 0 ? choice.probability[j] / sum : 1 / static_cast<float>(n);
+  return choice;
+}
+
 float Bsdf::pdf(const Vec3& wo, const Vec3& wi, LobeFlags accepted) const {
   const Vec3 o = frame_.toLocal(wo), i = frame_.toLocal(wi);
-  float sum = 0;
-  int matching = 0;
-  for (int k = 0; k < count_; ++k) {
-    const Lobe& l = lobe(k);
-    if (!l.matches(accepted)) continue;
-    sum += l.pdf(o, i);
-    ++matching;
-  }
-  return matching > 0 ? sum / static_cast<float>(matching) : 0.f;
+  const Choice choice = choiceOf(o, accepted);
+  float pdf = 0;
+  for (std::size_t j = 0; j < static_cast<std::size_t>(choice.count); ++j)
+    pdf += choice.probability[j] * lobe(choice.lobes[j]).pdf(o, i);
+  return pdf;
 }
 
 BsdfValue Bsdf::evaluate(const Vec3& wo, const Vec3& wi, LobeFlags accepted) const {
   const LobeFlags side = geometricSide(wo, wi, ng_);
   const Vec3 o = frame_.toLocal(wo), i = frame_.toLocal(wi);
+  const Choice choice = choiceOf(o, accepted);
   Rgb f;  // apart from pdf: a struct of both sums stays in memory and stalls on its own stores
   float pdf = 0;
-  int matching = 0;
-  for (int k = 0; k < count_; ++k) {
-    const Lobe& l = lobe(k);
-    if (!l.matches(accepted)) continue;
-    ++matching;
+  for (std::size_t j = 0; j < static_cast<std::size_t>(choice.count); ++j) {
+    const Lobe& l = lobe(choice.lobes[j]);
     const BsdfValue value = l.evaluate(o, i);
-    pdf += value.pdf;
-    if (l.flags() & side) f += scale_[k] * value.f;
+    pdf += choice.probability[j] * value.pdf;
+    if (l.flags() & side) f += scale_[choice.lobes[j]] * value.f;
   }
-  return {f, matching > 0 ? pdf / static_cast<float>(matching) : 0.f};
+  return {f, pdf};
 }
 
 std::optional<BsdfSample> Bsdf::sample(const Vec3& wo, float uLobe, Vec2 u,
                                        LobeFlags accepted) const {
-  // Pick one of the matching lobes uniformly.
-  int matching[kMaxLobes];
-  int n = 0;
-  for (int k = 0; k < count_; ++k)
-    if (lobe(k).matches(accepted)) matching[n++] = k;
-  if (n == 0) return std::nullopt;
-  const int chosen = matching[std::min(static_cast<int>(uLobe * static_cast<float>(n)), n - 1)];
-
   const Vec3 o = frame_.toLocal(wo);
-  const std::optional<BsdfSample> s = lobe(chosen).sample(o, u);
+  const Choice choice = choiceOf(o, accepted);
+  if (choice.count == 0) return std::nullopt;
+  const auto n = static_cast<std::size_t>(choice.count);
+  std::size_t chosen = 0;
+  float below = 0;
+  while (chosen + 1 < n && uLobe >= below + choice.probability[chosen])
+    below += choice.probability[chosen++];
+  const int c = choice.lobes[chosen];
+
+  const std::optional<BsdfSample> s = lobe(c).sample(o, u);
   if (!s) return std::nullopt;
   const Vec3 wi = normalize(frame_.fromLocal(s->wi));
-  Rgb f = s->f * scale_[chosen];
-  float pdf = s->pdf;
+  Rgb f = s->f * scale_[c];
+  float pdf = choice.probability[chosen] * s->pdf;
   if (s->isSpecular()) {
     // A specular f is divided by the cosine: by the one that the caller multiplies with, or
     // rounding would make fireflies at grazing angles.
@@ -123,17 +136,16 @@ std::optional<BsdfSample> Bsdf::sample(const Vec3& wo, float uLobe, Vec2 u,
     // Everything that the other lobes would do with the same direction.
     const LobeFlags side = geometricSide(wo, wi, ng_);
     if (!(s->flags & side)) f = Rgb();
-    for (int j = 0; j < n; ++j) {
-      const int k = matching[j];
-      if (k == chosen) continue;
-      const Lobe& l = lobe(k);
+    for (std::size_t j = 0; j < n; ++j) {
+      if (j == chosen) continue;
+      const Lobe& l = lobe(choice.lobes[j]);
       const BsdfValue value = l.evaluate(o, s->wi);
-      pdf += value.pdf;
-      if (l.flags() & side) f += scale_[k] * value.f;
+      pdf += choice.probability[j] * value.pdf;
+      if (l.flags() & side) f += scale_[choice.lobes[j]] * value.f;
     }
   }
-  if (f.isBlack()) return std::nullopt;
-  return BsdfSample{f, wi, pdf / static_cast<float>(n), s->flags, s->eta};
+  if (f.isBlack() || !(pdf > 0)) return std::nullopt;
+  return BsdfSample{f, wi, pdf, s->flags, s->eta};
 }
 
 Rgb Bsdf::reflectance(const Vec3& wo, LobeFlags accepted, int sqrtSamples) const {

@@ -57,6 +57,9 @@ class Lobe {
   virtual BsdfValue evaluate(const Vec3& wo, const Vec3& wi) const {
     return {f(wo, wi), pdf(wo, wi)};
   }
+  /// About the share of the light from wo that it scatters, for the choice between lobes where some
+  /// are specular.
+  virtual float weight(const Vec3& /*wo*/) const { return 1; }
 
  protected:
   ~Lobe() = default;
@@ -103,6 +106,7 @@ class Bsdf {
     checkRoom();
     new (storage_[static_cast<std::size_t>(count_)].bytes) L(std::forward<Args>(args)...);
     scale_[static_cast<std::size_t>(count_)] = presentScale_;
+    hasSpecular_ = hasSpecular_ || lobe(count_).flags() & kSpecular;
     ++count_;
   }
   /// Lobes added from here on are multiplied by s (mix). Returns the scale before.
@@ -122,8 +126,9 @@ class Bsdf {
   /// Sum of the accepted lobes [1/sr]. Whether wi reflects or transmits is decided with the
   /// geometric normal (Veach 5.3).
   Rgb f(const Vec3& wo, const Vec3& wi, LobeFlags accepted = kAllLobes) const;
-  /// Picks one of n matching lobes uniformly with uLobe; pdf is the average over the n; f the sum
-  /// over all non-specular matching ones, or the chosen specular lobe alone.
+  /// Picks one of the matching lobes with uLobe, uniformly, or by their weights where some are
+  /// specular (glass reflects by its Fresnel term, and no path through it gains power); pdf is
+  /// their mean; f the sum over all non-specular matching ones, or the chosen specular lobe alone.
   std::optional<BsdfSample> sample(const Vec3& wo, float uLobe, Vec2 u,
                                    LobeFlags accepted = kAllLobes) const;
   float pdf(const Vec3& wo, const Vec3& wi, LobeFlags accepted = kAllLobes) const;
@@ -145,11 +150,19 @@ class Bsdf {
         reinterpret_cast<const Lobe*>(storage_[static_cast<std::size_t>(i)].bytes));
   }
   void checkRoom() const;
+  /// The matching lobes and the probability of each; wo in the local frame.
+  struct Choice {
+    std::array<int, kMaxLobes> lobes;
+    std::array<float, kMaxLobes> probability;
+    int count = 0;
+  };
+  Choice choiceOf(const Vec3& wo, LobeFlags accepted) const;
 
   Frame frame_;
   Vec3 ng_{0, 0, 1};
   Rgb presentScale_{1.f};
   int count_ = 0;
+  bool hasSpecular_ = false;
   std::array<Rgb, kMaxLobes> scale_;
   std::array<Slot, kMaxLobes> storage_;
 };

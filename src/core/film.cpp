@@ -2,6 +2,7 @@
 #include "core/film.h"
 
 #include <array>
+#include <span>
 
 #include "core/error.h"
 
@@ -139,7 +140,8 @@ Film::Film(const Settings& settings, const Filter& filter)
 
 std::size_t Film::bytesPerPixel(bool withVariance, bool withLayers) {
   constexpr std::size_t kColour = sizeof(FilmTile::Sums) + 3 * sizeof(float);
-  constexpr std::size_t kVariance = sizeof(FilmTile::Moments) + 4 * sizeof(float);
+  constexpr std::size_t kVariance =
+      sizeof(FilmTile::Moments) + sizeof(FilmTile::Sums) + 4 * sizeof(float);
   constexpr std::size_t kLayers = sizeof(FilmTile::LayerSums) + kLayerChannels * sizeof(float);
   return kColour + (withVariance ? kVariance : 0) + (withLayers ? kLayers : 0);
 }
@@ -157,6 +159,12 @@ Bounds2i Film::sampleBounds() const {
 }
 
 FilmTile Film::makeTile(const Bounds2i& samples) const {
+  return makeTile(samples, settings_.withVariance);
+}
+
+FilmTile Film::makeTileOfPass(const Bounds2i& samples) const { return makeTile(samples, false); }
+
+FilmTile Film::makeTile(const Bounds2i& samples, bool withVariance) const {
   // Samples lie in [lo, hi); pixel x takes those within its radius of x + 0.5.
   const Vec2 r = filter_.radius();
   const auto first = [](int lo, float w) {
@@ -170,24 +178,38 @@ FilmTile Film::makeTile(const Bounds2i& samples) const {
       {std::max(first(samples.lo.x, r.x), crop.lo.x),
        std::max(first(samples.lo.y, r.y), crop.lo.y)},
       {std::min(end(samples.hi.x, r.x), crop.hi.x), std::min(end(samples.hi.y, r.y), crop.hi.y)}};
-  return {pixels, filter_, settings_.withVariance, settings_.withLayers};
+  return {pixels, filter_, withVariance, settings_.withLayers};
 }
+
+namespace {
+
+void addSums(std::span<const FilmTile::Sums> from, const Bounds2i& part,
+             std::span<FilmTile::Sums> to, const Bounds2i& whole) {
+  for (int y = part.lo.y; y < part.hi.y; ++y)
+    for (int x = part.lo.x; x < part.hi.x; ++x) {
+      const FilmTile::Sums& f = from[pixelIndex(part, {x, y})];
+      FilmTile::Sums& t = to[pixelIndex(whole, {x, y})];
+      t.w += f.w;
+      for (int c = 0; c < 3; ++c) t.wL[c] += f.wL[c];
+    }
+}
+
+}  // namespace
 
 void Film::merge(const FilmTile& tile) {
   const Bounds2i& b = tile.pixels_;
+  addSums(tile.sums_, b, sums_, settings_.crop);
   hasComponents_ = hasComponents_ || tile.hasComponents_;
   for (int y = b.lo.y; y < b.hi.y; ++y)
     for (int x = b.lo.x; x < b.hi.x; ++x) {
       const std::size_t from = pixelIndex(b, {x, y}), to = pixelIndex(settings_.crop, {x, y});
-      sums_[to].w += tile.sums_[from].w;
-      for (int c = 0; c < 3; ++c) sums_[to].wL[c] += tile.sums_[from].wL[c];
       if (!layers_.empty()) {
         const FilmTile::LayerSums& l = tile.layers_[from];
         layers_[to].w += l.w;
         layers_[to].wHit += l.wHit;
         for (std::size_t c = 0; c < kLayerChannels; ++c) layers_[to].wV[c] += l.wV[c];
       }
-      if (moments_.empty()) continue;
+      if (tile.moments_.empty()) continue;
       const FilmTile::Moments& m = tile.moments_[from];
       moments_[to].w2 += m.w2;
       for (int c = 0; c < 3; ++c) {
@@ -196,6 +218,35 @@ void Film::merge(const FilmTile& tile) {
       }
       moments_[to].samples += m.samples;
     }
+}
+
+void Film::mergeIntoPass(const FilmTile& tile) {
+  merge(tile);
+  if (moments_.empty()) return;
+  passSums_.resize(sums_.size());
+  addSums(tile.sums_, tile.pixels_, passSums_, settings_.crop);
+}
+
+void Film::endPass() {
+  if (++passes_ % kPassesPerSample != 0) return;
+  for (std::size_t i = 0; i < passSums_.size(); ++i) {
+    FilmTile::Sums& pass = passSums_[i];
+    if (pass.w == 0) continue;
+    FilmTile::Moments& moments = moments_[i];
+    moments.w2 += pass.w * pass.w;
+    for (int c = 0; c < 3; ++c) {
+      moments.w2L[c] += pass.w * pass.wL[c];
+      moments.w2L2[c] += pass.wL[c] * pass.wL[c];
+    }
+    ++moments.samples;
+    pass = {};
+  }
+}
+
+/// The variance of all passes over that of those in moments_, as if their mean were that of all.
+double Film::varianceScale() const {
+  const std::int64_t known = passes_ / kPassesPerSample * kPassesPerSample;
+  return known == 0 ? 1 : static_cast<double>(passes_) / static_cast<double>(known);
 }
 
 LayeredImage Film::develop() const {
@@ -215,12 +266,13 @@ LayeredImage Film::develop() const {
     for (int c = 0; c < 3; ++c) variance[c] = addChannel(kVariance[c]);
     samples = addChannel("samples");
   }
+  const double scale = varianceScale();
   for (std::size_t i = 0; i < sums_.size(); ++i) {
     const FilmTile::Moments* moments = samples ? &moments_[i] : nullptr;
     const PixelValue value = pixelValue(sums_[i], moments);
     for (int c = 0; c < 3; ++c) (*colour[c])[i] = static_cast<float>(std::max(0.0, value.L[c]));
     if (!samples) continue;
-    for (int c = 0; c < 3; ++c) (*variance[c])[i] = static_cast<float>(value.variance[c]);
+    for (int c = 0; c < 3; ++c) (*variance[c])[i] = static_cast<float>(scale * value.variance[c]);
     (*samples)[i] = static_cast<float>(moments->samples);
   }
   if (!layers_.empty()) developLayers(image);
@@ -254,7 +306,7 @@ double Film::estimatedRelativeError() const {
       if (value.variance[c] > 0)  // a black image has no error
         error += value.variance[c] / (sqr(value.L[c]) + kDarkShare * sqr(mean)) / count;
   }
-  return std::sqrt(error);
+  return std::sqrt(error * varianceScale());
 }
 
 }  // namespace brume

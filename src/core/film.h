@@ -102,6 +102,14 @@ class Film {
   FilmTile makeTile(const Bounds2i& samples) const;
   /// Adds a tile's sums. Not thread-safe; call in a fixed order.
   void merge(const FilmTile& tile);
+  /// The same for passes whose samples share their randomness (photons). For the variance
+  /// kPassesPerSample passes count as one sample of each pixel: the samples of one pass are not
+  /// independent, and those of neighbouring passes complement each other where the sampler's do.
+  /// A pass is its tiles, then its end.
+  FilmTile makeTileOfPass(const Bounds2i& samples) const;
+  void mergeIntoPass(const FilmTile& tile);
+  void endPass();
+  static constexpr std::int64_t kPassesPerSample = 4;
   /// The image so far: R, G, B = max(0, sum w L / sum w), 0 where nothing fell; "variance.R/G/B"
   /// [variance of the pixel value, unclamped; infinite below two samples] and "samples" when asked
   /// for; and the layers (layerChannelNames), unclamped: their means over the samples, the depth's
@@ -120,8 +128,12 @@ class Film {
   const Filter& filter_;
   std::vector<FilmTile::Sums> sums_;
   std::vector<FilmTile::Moments> moments_;
+  std::vector<FilmTile::Sums> passSums_;  // not yet in moments_; empty without variance
+  std::int64_t passes_ = 0;
   std::vector<FilmTile::LayerSums> layers_;
   bool hasComponents_ = false;
+  FilmTile makeTile(const Bounds2i& samples, bool withVariance) const;
+  double varianceScale() const;
   void developLayers(LayeredImage& image) const;
 };
 

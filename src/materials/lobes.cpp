@@ -31,4 +31,8 @@ std::optional<BsdfSample> SpecularTransmissionLobe::sample(const Vec3& wo, Vec2)
   return BsdfSample{transmittance_ * (transmitted / cosT), wi, 1.f, flags(), ratio};
 }
 
+float SpecularTransmissionLobe::weight(const Vec3& wo) const {
+  return transmittance_.average() * (1.f - fresnelDielectric(cosTheta(wo), etaI_, etaT_));
+}
+
 }  // namespace brume

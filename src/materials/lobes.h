@@ -154,6 +154,9 @@ class SpecularReflectionLobe final : public Lobe {
     return BsdfSample{
         reflectance_ * fresnel_(cosTheta(wo)) / cosine, {-wo.x, -wo.y, wo.z}, 1.f, flags()};
   }
+  float weight(const Vec3& wo) const override {
+    return (reflectance_ * fresnel_(cosTheta(wo))).average();
+  }
 
  private:
   Rgb reflectance_;
@@ -169,6 +172,7 @@ class SpecularTransmissionLobe final : public Lobe {
   Rgb f(const Vec3&, const Vec3&) const override { return Rgb(); }
   float pdf(const Vec3&, const Vec3&) const override { return 0.f; }
   std::optional<BsdfSample> sample(const Vec3& wo, Vec2 u) const override;
+  float weight(const Vec3& wo) const override;
 
  private:
   Rgb transmittance_;

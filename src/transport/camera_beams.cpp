@@ -80,13 +80,14 @@ void addToFilm(const CameraBeams& beams, Film& film) {
     forEachChunk(static_cast<std::int64_t>(count), 1,
                  [&](std::int64_t, std::int64_t, std::int64_t i) {
                    const CameraBeams::Tile& tile = beams.tiles[first + static_cast<std::size_t>(i)];
-                   FilmTile filmTile = film.makeTile(tile.pixels);
+                   FilmTile filmTile = film.makeTileOfPass(tile.pixels);
                    for (std::size_t s = tile.first; s < tile.end; ++s)
                      filmTile.addSample(beams.samples[s].raster, beams.samples[s].L);
                    done[static_cast<std::size_t>(i)].emplace(std::move(filmTile));
                  });
-    for (const auto& tile : done) film.merge(*tile);
+    for (const auto& tile : done) film.mergeIntoPass(*tile);
   }
+  film.endPass();
 }
 
 CameraBeams traceCameraBeams(const PassContext& context, const CameraPaths& paths,

@@ -61,7 +61,7 @@ struct CameraBeamOptions {
   float surfaceRadius = 0;
 };
 
-/// Adds the samples to the film, tile by tile in order.
+/// Adds the samples to the film, tile by tile in order, as one pass.
 void addToFilm(const CameraBeams& beams, Film& film);
 
 /// Traces one camera path through every pixel, in parallel; its light is gathered by `paths` and

@@ -134,9 +134,10 @@ double gatherWith(const Scene& scene, OwnedBeams& beams, double radius,
   return pairs / static_cast<double>(sums.size());
 }
 
-/// v and c^2 of one ladder. Weights make both relative to the brightness of pixels.
+/// Variance of a half and squared blur at one radius. Weights make both relative to the brightness
+/// of pixels.
 struct Balance {
-  double v = 0, c2 = 0;
+  double radius = 0, variance = 0, blur2 = 0;
 };
 
 /// Mean and its standard error.
@@ -169,11 +170,10 @@ std::optional<Balance> balanceOf(const Ladder& ladder, std::span<const double> w
       blur.add(weights[i] * product / (3 * gap2));
     }
     if (!(variance.mean() > 0)) continue;
-    const double r2 = sqr(ladder.radius(k));
     const bool standsOut = blur.mean() > kStandsOut * blur.error();
     if (found && !standsOut) break;
     const double b2 = standsOut ? blur.mean() : std::max(0., blur.mean()) + kMayHide * blur.error();
-    found = Balance{variance.mean() * r2, b2 / sqr(r2)};
+    found = Balance{ladder.radius(k), variance.mean(), b2};
     if (!standsOut) break;
   }
   return found;
@@ -274,8 +274,11 @@ FirstRadii firstRadii(const Scene& scene, const CameraPaths& paths, const PassCo
 
   const auto best = [&](const std::optional<Ladder>& ladder) -> std::optional<double> {
     const auto balance = ladder ? balanceOf(*ladder, weights) : std::nullopt;
-    if (!balance || !(balance->c2 > 0)) return std::nullopt;
-    return std::pow(balance->v * halves.paths / (6 * pass.paths * balance->c2), 1. / 6);
+    if (!balance || !(balance->blur2 > 0)) return std::nullopt;
+    // 3/4 V x^-2 = kNoiseOverBlur 16/9 b^2 x^3, x in radii of the balance.
+    const double variance = balance->variance * halves.paths / kUsualPaths;
+    const double x = std::pow(0.75 * variance / (kNoiseOverBlur * 16 / 9 * balance->blur2), 0.2);
+    return x * balance->radius * std::pow(kUsualPaths / pass.paths, 1. / 6);
   };
   if (const auto r = best(beams)) {
     // Photons per beam of a pass, at the largest radius and as many as cost no more than tracing.

@@ -9,6 +9,7 @@ namespace {
 
 constexpr float kMaxTilt = 0.5f;     // cosine between the normals
 constexpr float kMaxHeight = 0.25f;  // over the tangent plane, in radii
+constexpr float kAsked = 0.125f;     // how often the share is asked for without a sign of an edge
 constexpr float kWhole = 0.9999f;    // from this share of the disc on no edge hides photons
 
 std::vector<Photon> onSurfaces(std::span<const Photon> photons) {
@@ -56,8 +57,13 @@ struct SurfacePhotonMap::Disc {
       else
         hasOthers = true;
     });
-    if (!hasOthers || !accelerator || all.isBlack()) return all;
+    if (!accelerator || all.isBlack()) return all;
     const float slab = kMaxHeight * radius;
+    if (!hasOthers) {
+      // An edge whose other side is dark: asked for rarely, by chance, and then counted for all.
+      if (chanceOf(at.p) >= kAsked) return all;
+      return all * (1 + (1 / surfaceShare(*accelerator, at, radius, slab) - 1) / kAsked);
+    }
     const float share = surfaceShare(*accelerator, at, radius, slab);
     if (share > kWhole) return all / share;
     Rgb inSight;

@@ -12,9 +12,9 @@ namespace {
 constexpr int kDirections = 8;
 
 /// A number in [0, 1) that differs from point to point.
-float turnOf(const Vec3& p) {
+float chance(const Vec3& p, std::uint32_t purpose) {
   const std::uint64_t hash =
-      hashIntegers(std::bit_cast<std::uint32_t>(p.x), std::bit_cast<std::uint32_t>(p.y),
+      hashIntegers(purpose, std::bit_cast<std::uint32_t>(p.x), std::bit_cast<std::uint32_t>(p.y),
                    std::bit_cast<std::uint32_t>(p.z));
   return static_cast<float>(hash >> 40) * 0x1p-24f;
 }
@@ -29,6 +29,8 @@ Vec3 upAt(const SurfaceInteraction& at) { return dot(at.n, at.wo) < 0 ? -at.n : 
 
 }  // namespace
 
+float chanceOf(const Vec3& p) { return chance(p, 1); }
+
 bool isBehindAnEdge(const Accelerator& accelerator, const SurfaceInteraction& at, const Vec3& p,
                     float slab) {
   const float along = distance(p, at.p);
@@ -40,7 +42,7 @@ float surfaceShare(const Accelerator& accelerator, const SurfaceInteraction& at,
                    float slab) {
   const Vec3 up = upAt(at);
   const Frame frame = Frame::fromZ(up);
-  const float turn = turnOf(at.p);
+  const float turn = chance(at.p, 0);
   float share = 0;
   for (int j = 0; j < kDirections; ++j) {
     const float phi = 2 * kPi * (static_cast<float>(j) + turn) / kDirections;

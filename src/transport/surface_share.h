@@ -20,6 +20,9 @@ float surfaceShare(const Accelerator& accelerator, const SurfaceInteraction& at,
 bool isBehindAnEdge(const Accelerator& accelerator, const SurfaceInteraction& at, const Vec3& p,
                     float slab);
 
+/// A number in [0, 1) for a point, other than those that surfaceShare uses.
+float chanceOf(const Vec3& p);
+
 inline constexpr float kLeastShare = 0.05f;
 
 }  // namespace brume

@@ -3,6 +3,8 @@
 
 #include <gmock/gmock.h>
 
+#include <utility>
+
 #include "core/rng.h"
 #include "support/make_plugin.h"
 
@@ -162,6 +164,45 @@ TEST(Film, SumsOfManyPassesDoNotDrift) {
   int c = 0;
   for (const char* channel : {"R", "G", "B"})
     EXPECT_EQ(image.channels.at(channel)[0], static_cast<float>(sum[c++] / kPasses)) << channel;
+}
+
+TEST(Film, PassesCountAsTheyShareTheirNoise) {
+  // Passes that are off by one number everywhere, under a filter that sees many of their samples:
+  // the variance of a pixel is that of the mean of these numbers. Every fourth makes up for the
+  // three before: then there is no noise at all.
+  const auto gaussian = make<Filter>("gaussian", {});
+  constexpr int kPasses = 402;  // two of them are in no sample yet
+  for (const bool isBalanced : {false, true}) {
+    Film film = makeFilm(*gaussian, {8, 8}, {{0, 0}, {8, 8}}, true);
+    Rng rng(9);
+    double sum = 0, squares = 0;
+    float balance = 0;
+    for (int pass = 0; pass < kPasses; ++pass) {
+      float noise = rng.uniform() - 0.5f;
+      if (isBalanced && pass % 4 == 3)
+        noise = -std::exchange(balance, 0.f);
+      else
+        balance += noise;
+      sum += double{noise};
+      squares += sqr(double{noise});
+      FilmTile tile = film.makeTileOfPass(film.sampleBounds());
+      const Bounds2i all = film.sampleBounds();
+      for (int y = all.lo.y; y < all.hi.y; ++y)
+        for (int x = all.lo.x; x < all.hi.x; ++x)
+          tile.addSample(Vec2(x, y) + rng.uniform2(), Rgb(2 + noise));
+      film.mergeIntoPass(tile);
+      film.endPass();
+    }
+    const LayeredImage image = film.develop();
+    const double expected = (squares / kPasses - sqr(sum / kPasses)) / kPasses;
+    EXPECT_EQ(image.channels.at("samples")[27], kPasses / Film::kPassesPerSample);
+    EXPECT_NEAR(image.channels.at("G")[27], 2 + sum / kPasses, isBalanced ? 0.02 : 0.05);
+    // 100 samples tell a variance to 14 %; weights of the filter add a little.
+    if (isBalanced)
+      EXPECT_LT(image.channels.at("variance.G")[27], 0.15 * expected);
+    else
+      EXPECT_NEAR(image.channels.at("variance.G")[27] / expected, 1, 0.5);
+  }
 }
 
 TEST(Film, FewSamplesHaveUnknownVariance) {

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/rng.h"
+#include "core/sampling.h"
 #include "support/bsdf_checks.h"
 
 namespace brume::test {
@@ -107,6 +109,19 @@ TEST(Mirror, ReflectsKrAboutTheNormal) {
   EXPECT_TRUE(m.bsdf.isSpecularOnly());
 }
 
+TEST(Glass, NoPathThroughItGainsPower) {
+  // f cos / pdf of glass is 1 for every lobe and direction: by half and half it would be up to 2,
+  // and grow with every total reflection inside.
+  const Shaded glass("glass", {floats("index", {1.5f})});
+  Rng rng(3);
+  for (int i = 0; i < 1000; ++i) {
+    const Vec3 wo = sampleUniformSphere(rng.uniform2());
+    const auto s = glass.bsdf.sample(wo, rng.uniform(), rng.uniform2());
+    ASSERT_TRUE(s);
+    EXPECT_NEAR(s->f.g * absDot(s->wi, glass.bsdf.shadingNormal()) / s->pdf, 1, 1e-4f);
+  }
+}
+
 TEST(Glass, ObeysFresnelAndSnell) {
   const Shaded m("glass", {floats("index", {1.5f})});
   const auto normal = specular(m.bsdf, {0, 0, 1}, kReflection);
@@ -151,12 +166,15 @@ TEST(Glass, OfIndexOneIsNotThere) {
   }
 }
 
-TEST(Bsdf, ChoosesSpecularLobesUniformly) {
-  const Shaded m("glass");
+TEST(Bsdf, ChoosesSpecularLobesByWhatTheyScatter) {
+  const Shaded m("glass", {floats("index", {1.5f})});
   const Vec3 wo = fromPlane(localDirection(.5f, 0));
-  const auto first = m.bsdf.sample(wo, .49f, {0, 0}), second = m.bsdf.sample(wo, .51f, {0, 0});
+  const auto f = static_cast<float>(fresnel(.5, 1, 1.5));
+  const auto first = m.bsdf.sample(wo, f - .01f, {0, 0}),
+             second = m.bsdf.sample(wo, f + .01f, {0, 0});
   ASSERT_TRUE(first && second);
-  EXPECT_EQ(first->pdf, .5f);
+  EXPECT_NEAR(first->pdf, f, 1e-5f);
+  EXPECT_NEAR(second->pdf, 1 - f, 1e-5f);
   EXPECT_FALSE(first->isTransmission());
   EXPECT_TRUE(second->isTransmission());
 }

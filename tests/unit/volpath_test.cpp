@@ -166,7 +166,7 @@ TEST(VolPath, ComponentsArePartsOfTheWhole) {
   Stats stats;
   Rng rng(8);
   ComponentRadiance sums;
-  for (int i = 0; i < 4000; ++i) {
+  for (int i = 0; i < 20000; ++i) {
     ComponentRadiance components;
     RenderContext context{stream, stats, &components};
     const FootprintRay ray(
