@@ -11,29 +11,41 @@ namespace {
 
 constexpr int kTileSize = 16;  // pixels
 
-/// One tile's part of the pass.
+/// One tile's part of the pass. Samples and primary beams, one at most for each sample, stand in
+/// the tile's part of the pass's arrays, from `first` on: arrays for each tile would need the
+/// memory twice, in pieces.
 struct TileBeams {
   Bounds2i pixels;
-  std::vector<CameraBeams::Sample> samples;
-  OwnedBeams primary, secondary;
+  std::size_t first = 0;
+  std::size_t samples = 0, primary = 0;  // so far
+  OwnedBeams secondary;
   Stats stats;
 };
 
 /// Keeps the beams of one camera path and adds the light of surface photons.
 class BeamCollector final : public CameraPathVisitor {
  public:
-  BeamCollector(const CameraBeamOptions& options, TileBeams& tile, std::uint32_t pixel)
-      : options_(options), tile_(tile), pixel_(pixel) {}
+  BeamCollector(const CameraBeamOptions& options, CameraBeams& pass, TileBeams& tile,
+                std::uint32_t pixel)
+      : options_(options), pass_(pass), tile_(tile), pixel_(pixel) {}
 
   void onSegment(const MediumAlongRay& medium, const Rgb& weight, int bounces) override {
+    if (!options_.wantsBeams) return;
     const Ray& ray = medium.ray();
     const Interval range = medium.range();
-    OwnedBeams& to = bounces == 0 ? tile_.primary : tile_.secondary;
     const float radius =
         options_.pixelRadii.empty() ? options_.beamRadius : options_.pixelRadii[pixel_];
-    if (to.beams.empty()) to.reserve(static_cast<std::size_t>(tile_.pixels.area()));
-    to.beams.push_back({ray.o, range.t0, ray.d, range.t1, radius, pixel_});
-    to.owners.push_back({static_cast<std::uint32_t>(tile_.samples.size()), weight, ray.time});
+    const Beam beam{ray.o, range.t0, ray.d, range.t1, radius, pixel_};
+    const BeamOwner owner{static_cast<std::uint32_t>(tile_.first + tile_.samples), weight,
+                          ray.time};
+    if (bounces == 0) {
+      const std::size_t at = tile_.first + tile_.primary++;
+      pass_.primary.beams[at] = beam;
+      pass_.primary.owners[at] = owner;
+    } else {
+      tile_.secondary.beams.push_back(beam);
+      tile_.secondary.owners.push_back(owner);
+    }
   }
   void onSurface(const SurfaceInteraction& at, const Bsdf& bsdf, const Rgb& weight) override {
     if (options_.surface)
@@ -44,15 +56,16 @@ class BeamCollector final : public CameraPathVisitor {
 
  private:
   const CameraBeamOptions& options_;
+  CameraBeams& pass_;
   TileBeams& tile_;
   std::uint32_t pixel_;
 };
 
 void traceTile(const PassContext& context, const CameraPaths& paths,
-               const CameraBeamOptions& options, const Bounds2i& all, TileBeams& tile) {
+               const CameraBeamOptions& options, CameraBeams& pass, TileBeams& tile) {
+  const Bounds2i& all = pass.pixels;
   const std::unique_ptr<PixelSampler> sampler = context.sampler.makePixelSampler(context.seed);
   RenderContext render{*sampler, tile.stats};
-  tile.samples.reserve(static_cast<std::size_t>(tile.pixels.area()));
   for (int y = tile.pixels.lo.y; y < tile.pixels.hi.y; ++y)
     for (int x = tile.pixels.lo.x; x < tile.pixels.hi.x; ++x) {
       sampler->startPixel({x, y});
@@ -63,9 +76,9 @@ void traceTile(const PassContext& context, const CameraPaths& paths,
       if (!context.footprints) ray.differential.reset();
       tile.stats.add(Stat::CameraRays);
       const auto pixel = static_cast<std::uint32_t>((y - all.lo.y) * all.width() + (x - all.lo.x));
-      BeamCollector collector(options, tile, pixel);
+      BeamCollector collector(options, pass, tile, pixel);
       const Rgb L = paths.follow(ray, collector, render) + collector.L;
-      tile.samples.push_back({sample.raster, tile.stats.checkRadiance(L)});
+      pass.samples[tile.first + tile.samples++] = {sample.raster, tile.stats.checkRadiance(L)};
     }
 }
 
@@ -90,47 +103,54 @@ void addToFilm(const CameraBeams& beams, Film& film) {
   film.endPass();
 }
 
+namespace {
+
+/// The tiles of the image, with their places in the pass's arrays.
+std::vector<TileBeams> tilesOf(const Bounds2i& all) {
+  std::vector<TileBeams> tiles;
+  std::size_t first = 0;
+  for (int y = all.lo.y; y < all.hi.y; y += kTileSize)
+    for (int x = all.lo.x; x < all.hi.x; x += kTileSize) {
+      TileBeams& tile = tiles.emplace_back();
+      tile.pixels = {{x, y},
+                     {std::min(x + kTileSize, all.hi.x), std::min(y + kTileSize, all.hi.y)}};
+      tile.first = first;
+      first += static_cast<std::size_t>(tile.pixels.area());
+    }
+  return tiles;
+}
+
+}  // namespace
+
 CameraBeams traceCameraBeams(const PassContext& context, const CameraPaths& paths,
                              const CameraBeamOptions& options) {
-  const Bounds2i all = context.film.sampleBounds();
-  const auto tilesAlong = [](int n) { return (n + kTileSize - 1) / kTileSize; };
-  const std::int64_t perRow = tilesAlong(all.width()), count = perRow * tilesAlong(all.height());
-  std::vector<TileBeams> tiles(static_cast<std::size_t>(count));
-  forEachChunk(count, 1, [&](std::int64_t i, std::int64_t, std::int64_t) {
-    if (context.stop.load(std::memory_order_relaxed)) return;
-    const Vec2i lo = all.lo + kTileSize * Vec2i(i % perRow, i / perRow);
-    TileBeams& tile = tiles[static_cast<std::size_t>(i)];
-    tile.pixels = {lo,
-                   {std::min(lo.x + kTileSize, all.hi.x), std::min(lo.y + kTileSize, all.hi.y)}};
-    traceTile(context, paths, options, all, tile);
-  });
-
   CameraBeams result;
-  result.pixels = all;
-  if (context.stop.load(std::memory_order_relaxed)) return result;
-  // Room for all at once: arrays that grow leave holes, and the memory of many passes would creep
-  // up.
-  std::size_t samples = 0, primary = 0, secondary = 0;
-  for (const TileBeams& tile : tiles) {
-    samples += tile.samples.size();
-    primary += tile.primary.beams.size();
-    secondary += tile.secondary.beams.size();
-  }
-  result.samples.reserve(samples);
+  result.pixels = context.film.sampleBounds();
+  std::vector<TileBeams> tiles = tilesOf(result.pixels);
+  const auto area = static_cast<std::size_t>(result.pixels.area());
+  result.samples.resize(area);
+  if (options.wantsBeams) result.primary.resize(area);
+  forEachChunk(static_cast<std::int64_t>(tiles.size()), 1,
+               [&](std::int64_t i, std::int64_t, std::int64_t) {
+                 if (context.stop.load(std::memory_order_relaxed)) return;
+                 traceTile(context, paths, options, result, tiles[static_cast<std::size_t>(i)]);
+               });
+  if (context.stop.load(std::memory_order_relaxed)) return {};
+
+  // The beams of all tiles move together.
+  std::size_t primary = 0, secondary = 0;
+  for (const TileBeams& tile : tiles) secondary += tile.secondary.beams.size();
   result.tiles.reserve(tiles.size());
-  result.primary.reserve(primary);
   result.secondary.reserve(secondary);
   for (TileBeams& tile : tiles) {
-    const auto first = static_cast<std::uint32_t>(result.samples.size());
-    for (OwnedBeams* beams : {&tile.primary, &tile.secondary})
-      for (BeamOwner& owner : beams->owners) owner.sample += first;
-    result.samples.insert(result.samples.end(), tile.samples.begin(), tile.samples.end());
-    result.tiles.push_back({tile.pixels, first, result.samples.size()});
-    result.primary.append(tile.primary);
+    result.tiles.push_back({tile.pixels, tile.first, tile.first + tile.samples});
+    result.primary.move(tile.first, tile.primary, primary);
+    primary += tile.primary;
     result.secondary.append(tile.secondary);
     context.stats.merge(tile.stats);
-    tile = {};
+    tile.secondary = {};
   }
+  result.primary.resize(primary);
   return result;
 }
 

@@ -3,6 +3,7 @@
 // without photons in media.
 #pragma once
 
+#include <algorithm>
 #include <span>
 #include <vector>
 
@@ -27,6 +28,18 @@ struct OwnedBeams {
   void reserve(std::size_t count) {
     beams.reserve(count);
     owners.reserve(count);
+  }
+  void resize(std::size_t count) {
+    beams.resize(count);
+    owners.resize(count);
+  }
+  /// Moves `count` beams to a place before or at their own.
+  void move(std::size_t from, std::size_t count, std::size_t to) {
+    if (from == to) return;
+    std::copy_n(beams.begin() + static_cast<std::ptrdiff_t>(from), count,
+                beams.begin() + static_cast<std::ptrdiff_t>(to));
+    std::copy_n(owners.begin() + static_cast<std::ptrdiff_t>(from), count,
+                owners.begin() + static_cast<std::ptrdiff_t>(to));
   }
   void append(const OwnedBeams& o) {
     beams.insert(beams.end(), o.beams.begin(), o.beams.end());
@@ -55,6 +68,7 @@ struct CameraBeams {
 struct CameraBeamOptions {
   float beamRadius = 0;                       ///< of all beams, unless each pixel has its own
   std::span<const float> pixelRadii;          ///< by Beam::pixel, or empty
+  bool wantsBeams = true;                     ///< there are photons for them
   bool throughCentres = false;                ///< fixed beams instead of jittered ones
   std::optional<float> moment;                ///< time of all camera rays, part of the shutter
   const SurfacePhotonMap* surface = nullptr;  ///< photons on surfaces, or none

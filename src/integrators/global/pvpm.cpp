@@ -314,6 +314,7 @@ bool Pvpm::renderPass(const PassContext& context, const std::function<void(doubl
 
   CameraBeamOptions options;
   options.moment = moment;
+  options.wantsBeams = beamRadius_.has_value();
   options.throughCentres = params_.fixedbeams;
   std::optional<SurfacePhotonMap> surface;
   if (surfaceRadius_) {
