@@ -126,6 +126,40 @@ def end_table(scene, time):
     return rows
 
 
+def slope(points, first, last):
+    """Exponent of relMSE over passes between two numbers of passes: a straight line in logarithms."""
+    logs = [(math.log(p["samples"]), math.log(p["relmse"])) for p in points
+            if first <= p["samples"] <= last and p["relmse"] > 0]
+    if len(logs) < 3:
+        return None
+    x, y = (sum(v) / len(logs) for v in zip(*logs))
+    return sum((a - x) * (b - y) for a, b in logs) / sum((a - x) ** 2 for a, _ in logs)
+
+
+def progress_table(scenes):
+    """How the error of renders that estimate it themselves falls with the passes, and what they say."""
+    rows = []
+    for scene in scenes:
+        for curve in scene["curves"]:
+            told = [(p["estimated error"], p["relative error"]) for p in curve["points"]
+                    if p.get("estimated error") and p.get("relative error")]
+            passes = [p["samples"] for p in curve["points"] if p.get("samples")]
+            if not told or not passes or passes[-1] < 100:
+                continue
+            ratios = [a / b for a, b in told]
+            decades = [slope(curve["points"], passes[-1] / 10 ** (d + 1), passes[-1] / 10 ** d)
+                       for d in (2, 1, 0)]
+            rows.append(f"| {scene['name']} | {curve['method']} | {passes[-1]:.0f} | "
+                        + " | ".join("" if d is None else f"{d:.2f}" for d in decades)
+                        + f" | {min(ratios):.2f} ... {max(ratios):.2f} |")
+    if not rows:
+        return []
+    return ["", "How relMSE falls: exponents of the number of samples or passes over the last three decades, and the "
+            "relative error that the render itself estimates (`--error`) over the true one, least and largest.", "",
+            "| scene | method | passes | first | second | last decade | estimated / true |",
+            "|---|---|---|---|---|---|---|"] + rows
+
+
 def markdown(results, time, error, most):
     """The lines of the page, and the panels of the plot."""
     machine, baseline = results["machine"], results["baseline"]
@@ -151,7 +185,8 @@ def markdown(results, time, error, most):
              f"{machine['processors']} processors, load average {machine['load']:.1f}. "
              f"{time_name.capitalize()} until the error is reached, {baseline} over the method: "
              f"2 x is half of {baseline}'s time.", ""]
-    return lines + summary_table(scenes, baseline, methods, ERRORS[error]) + details, panels, time_name
+    return (lines + summary_table(scenes, baseline, methods, ERRORS[error])
+            + progress_table(results["scenes"]) + details, panels, time_name)
 
 
 def main():

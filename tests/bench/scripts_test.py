@@ -94,6 +94,16 @@ class ErrorTable(WithFolder):
         rows = self.table(results)
         self.assertGreaterEqual(len(rows["processor seconds to relMSE"]), 2)
 
+    def test_rates_and_estimated_errors(self):
+        results = copy.deepcopy(RESULTS)
+        points = [dict(seconds=n, relmse=n ** (-2 / 3), flip=0.1, samples=n,
+                       **{"cpu seconds": n, "mean ratio": 1, "relative error": n ** (-1 / 3),
+                          "estimated error": (0.9 if n < 100 else 1.1) * n ** (-1 / 3)})
+                  for n in (2 ** k for k in range(13))]
+        results["scenes"][0]["curves"] = [{"method": "passes", "threads": 1, "seed": 1, "points": points}]
+        done = call("error_table.py", self.file("results.json", results)).stdout
+        self.assertIn("| ball | passes | 4096 | -0.67 | -0.67 | -0.67 | 0.90 ... 1.10 |", done)
+
     def test_errors_below_the_reference_noise_are_not_drawn(self):
         results = copy.deepcopy(RESULTS)
         results["scenes"][0]["curves"] = [curve("base", 1, BASE + [(64, -1e-3)])]
