@@ -36,7 +36,7 @@ struct Sizes {
   int side = 512;
   std::size_t splatPhotons = 200000, reportPhotons = 10000, radiusPhotons = 20000;
   std::vector<int> sides{64, 128, 256, 512, 1024, 2048};
-  std::vector<std::size_t> photons{10000, 100000, 1000000, 10000000};
+  std::vector<std::size_t> photons{10000, 100000, 1000000, 10000000, 100000000};
 };
 const Sizes kSmoke{64, 2000, 500, 500, {16, 32}, {1000}};
 

@@ -30,30 +30,38 @@ SurfacePhotonMap::SurfacePhotonMap(std::vector<Photon> photons, const Accelerato
       photons_(inOrder(std::span<const Photon>(photons), tree_.order())),
       accelerator_(accelerator) {
   tree_.dropOrder();
+  directions_.reserve(photons_.size());
+  for (const Photon& photon : photons_)
+    directions_.push_back({photon.wi.unpack(), photon.normal()});
 }
 
-/// One estimate in the making: sum_i lightOf(photon_i) K2(d_i; r) over the part of the disc that is
-/// there.
+/// One estimate in the making: sum_i lightOf(photon_i, wi_i) K2(d_i; r) over the part of the disc
+/// that is there.
 template <class LightOf>
 struct SurfacePhotonMap::Disc {
+  const SurfacePhotonMap& map;
   const SurfaceInteraction& at;
   const LightOf& lightOf;
   float radius2, radius = std::sqrt(radius2);
   DiscKernel kernel{radius2};
 
-  bool isOfSurface(const Photon& photon) const {
-    return dot(photon.normal(), at.n) >= kMaxTilt &&
-           absDot(photon.p - at.p, at.n) <= kMaxHeight * radius;
+  bool isOfSurface(std::uint32_t i) const {
+    return dot(map.directions_[i].n, at.n) >= kMaxTilt &&
+           absDot(map.photons_[i].p - at.p, at.n) <= kMaxHeight * radius;
+  }
+  Rgb light(std::uint32_t i, float d2) const {
+    return lightOf(map.photons_[i], map.directions_[i].wi) * kernel(d2);
   }
 
   /// `forEach` calls its argument with every photon in reach and its squared distance.
   template <class ForEach>
-  Rgb sum(const Accelerator* accelerator, ForEach forEach) const {
+  Rgb sum(ForEach forEach) const {
+    const Accelerator* const accelerator = map.accelerator_;
     Rgb all;
     bool hasOthers = false;  // photons of other surfaces: an edge may be near
-    forEach([&](const Photon& photon, float d2) {
-      if (isOfSurface(photon))
-        all += lightOf(photon) * kernel(d2);
+    forEach([&](std::uint32_t i, float d2) {
+      if (isOfSurface(i))
+        all += light(i, d2);
       else
         hasOthers = true;
     });
@@ -67,9 +75,9 @@ struct SurfacePhotonMap::Disc {
     const float share = surfaceShare(*accelerator, at, radius, slab);
     if (share > kWhole) return all / share;
     Rgb inSight;
-    forEach([&](const Photon& photon, float d2) {
-      if (isOfSurface(photon) && !isBehindAnEdge(*accelerator, at, photon.p, slab))
-        inSight += lightOf(photon) * kernel(d2);
+    forEach([&](std::uint32_t i, float d2) {
+      if (isOfSurface(i) && !isBehindAnEdge(*accelerator, at, map.photons_[i].p, slab))
+        inSight += light(i, d2);
     });
     return inSight / share;
   }
@@ -84,10 +92,9 @@ Rgb SurfacePhotonMap::ofNearest(const SurfaceInteraction& at, std::size_t k, flo
   const bool isFull = n == k;
   const float radius2 = isFull ? found.front().distance2() : sqr(maxRadius);
   if (n == 0 || !(radius2 > 0) || !std::isfinite(radius2)) return {};
-  const Disc<LightOf> disc{at, lightOf, radius2};
-  return disc.sum(accelerator_, [&](auto&& use) {
-    for (std::size_t i = isFull ? 1 : 0; i < n; ++i)
-      use(photons_[found[i].index()], found[i].distance2());
+  const Disc<LightOf> disc{*this, at, lightOf, radius2};
+  return disc.sum([&](auto&& use) {
+    for (std::size_t i = isFull ? 1 : 0; i < n; ++i) use(found[i].index(), found[i].distance2());
   });
 }
 
@@ -95,8 +102,7 @@ namespace {
 
 /// f alpha with the cosines, as a function of the photon.
 auto scatteredBy(const SurfaceInteraction& at, const Bsdf& bsdf) {
-  return [&](const Photon& photon) -> Rgb {
-    const Vec3 wi = photon.wi.unpack();
+  return [&](const Photon& photon, const Vec3& wi) -> Rgb {
     const Rgb f = bsdf.f(at.wo, wi, kNonSpecular);
     const float geometric = absDot(wi, bsdf.geometricNormal());
     if (f.isBlack() || !(geometric > 0)) return {};
@@ -109,11 +115,8 @@ auto scatteredBy(const SurfaceInteraction& at, const Bsdf& bsdf) {
 Rgb SurfacePhotonMap::radiance(const SurfaceInteraction& at, const Bsdf& bsdf, float radius) const {
   if (!(sqr(radius) > 0)) return {};
   const auto lightOf = scatteredBy(at, bsdf);
-  const Disc<decltype(lightOf)> disc{at, lightOf, sqr(radius)};
-  return disc.sum(accelerator_, [&](auto&& use) {
-    tree_.forEachWithin(at.p, sqr(radius),
-                        [&](std::uint32_t i, float d2) { use(photons_[i], d2); });
-  });
+  const Disc<decltype(lightOf)> disc{*this, at, lightOf, sqr(radius)};
+  return disc.sum([&](auto&& use) { tree_.forEachWithin(at.p, sqr(radius), use); });
 }
 
 Rgb SurfacePhotonMap::radianceOfNearest(const SurfaceInteraction& at, const Bsdf& bsdf,
@@ -124,8 +127,8 @@ Rgb SurfacePhotonMap::radianceOfNearest(const SurfaceInteraction& at, const Bsdf
 Rgb SurfacePhotonMap::irradianceOfNearest(const SurfaceInteraction& at, std::size_t k,
                                           float maxRadius) const {
   const Vec3 side = dot(at.n, at.wo) < 0 ? -at.n : at.n;
-  return ofNearest(at, k, maxRadius, [&](const Photon& photon) -> Rgb {
-    return dot(photon.wi.unpack(), side) > 0 ? photon.power : Rgb();
+  return ofNearest(at, k, maxRadius, [&](const Photon& photon, const Vec3& wi) -> Rgb {
+    return dot(wi, side) > 0 ? photon.power : Rgb();
   });
 }
 

@@ -50,8 +50,14 @@ class SurfacePhotonMap {
   Rgb ofNearest(const SurfaceInteraction& at, std::size_t k, float maxRadius,
                 const LightOf& lightOf) const;
 
+  /// What lookups ask of a photon again and again.
+  struct Directions {
+    Vec3 wi, n;
+  };
+
   PhotonKdTree tree_;
   std::vector<Photon> photons_;
+  std::vector<Directions> directions_;  // of the photons, unpacked
   const Accelerator* accelerator_;
 };
 
