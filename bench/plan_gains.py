@@ -47,8 +47,8 @@ class Rule:
     runs: float = 1  # share of the runs: less for long ones
 
 
-def scene(world, integrator='SurfaceIntegrator "directlighting"'):
-    return f"{HEAD}{integrator}\nWorldBegin\n{world}WorldEnd\n"
+def scene(world, integrator='SurfaceIntegrator "directlighting"', fov=45):
+    return f"{HEAD.replace('45', str(fov))}{integrator}\nWorldBegin\n{world}WorldEnd\n"
 
 
 def grid(folder, side, share, empty):
@@ -161,6 +161,14 @@ def rules(folder):
              scene(LAMP + BALL, pvpm), scene(LAMP + BALL + box("1e-7"), pvpm),
              "skip  camera beams and photons in media", .5),
     ]
+    # Through a small mirror in the view beams go everywhere: every photon may be seen.
+    many = pvpm.replace("20000", "200000")
+    def small(material):
+        return (f'AttributeBegin Material "{material}" Translate 0 .7 -2 '
+                'Shape "sphere" "float radius" .02 AttributeEnd\n')
+    result.append(Rule("photons in media that no beam can receive are left out: `pvpm`, a view of 12 degrees",
+                       scene(LAMP + box(".2") + small("matte"), many, 12),
+                       scene(LAMP + box(".2") + small("mirror"), many, 12), "", .5))
     for method, integrator in (("single", single), ("volpath", 'GlobalIntegrator "volpath"')):
         for share in (.05, .2):
             name = f"empty space in a grid of 64^3 is stepped over: `{method}`, {share:.0%} of it occupied"

@@ -6,7 +6,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/medium_along_ray.h"
 #include "support/render_text.h"
+#include "support/volumes.h"
 
 namespace brume {
 namespace {
@@ -117,6 +119,29 @@ TEST(Plan, PixelsWithoutMediumCostNothing) {
               double(half[Stat::CameraRays]) / 8);
 }
 
+TEST(Plan, EmptySpaceInGridsIsSteppedOver) {
+  constexpr int kSide = 32;
+  test::MediumSpec spec;
+  spec.sigma_s = Rgb(1);
+  std::vector<float> density(kSide * kSide * kSide, 1.f);
+  const auto spansOf = [&](const Vec3& through) {
+    const auto grid = test::makeGrid(spec, kSide, kSide, kSide, density);
+    const Ray ray(through - Vec3(2, 0, 0), Vec3(1, 0, 0));
+    const MediumAlongRay medium(*grid, ray, *grid->intersect(ray));
+    return std::vector<MediumAlongRay::Span>(medium.spans().begin(), medium.spans().end());
+  };
+  const Vec3 middle(16.5f / kSide);
+  EXPECT_GE(spansOf(middle).size(), kSide - 1u);
+  // One voxel is left: along the ray the two cells beside it, none elsewhere.
+  std::fill(density.begin(), density.end(), 0.f);
+  density[(16 * kSide + 16) * kSide + 16] = 1;
+  const auto spans = spansOf(middle);
+  EXPECT_GE(spans.size(), 1u);
+  EXPECT_LE(spans.size(), 2u);
+  EXPECT_LE(spans.back().t1 - spans.front().t0, 2.01 / kSide);
+  EXPECT_TRUE(spansOf(Vec3(8.f / kSide)).empty());
+}
+
 TEST(Plan, MediaThatDoNothingAreNotThere) {
   const std::string clear = "Volume \"homogeneous\" \"point p0\" [-1 -1 -1] \"point p1\" [1 1 1]\n";
   const std::string empty =
@@ -136,8 +161,10 @@ Rendered renderBy(const std::string& integrator, const std::string& world) {
   options.replace(options.find("VolumeIntegrator"), 0, integrator + "\n");
   return render(options, world);
 }
+// With its radii given, no pilot pass looks for them.
 const std::string kPvpm =
-    "GlobalIntegrator \"pvpm\" \"integer photonsperpass\" 500 \"integer passes\" 2";
+    "GlobalIntegrator \"pvpm\" \"integer photonsperpass\" 500 \"integer passes\" 2 "
+    "\"float radius\" .2 \"float surfaceradius\" .2";
 const std::string kFog =
     "Volume \"homogeneous\" \"point p0\" [-2 -2 -2] \"point p1\" [2 2 2] \"color sigma_s\" [.3 .3 "
     ".3]\n";
