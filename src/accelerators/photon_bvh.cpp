@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "accelerators/photon_bvh.h"
 
+#include "accelerators/photon_ball.h"
 #include "core/error.h"
 
 namespace brume {
@@ -110,16 +111,14 @@ std::vector<float> adaptiveRadii2(const PhotonKdTree& tree, std::size_t k) {
   // The least: what the precision of positions can tell apart.
   const float least = std::max(kBeamSlack * tree.view().maxCoordinate, 1e-15f);
   forEachBlock((tree.size() + kLanes - 1) / kLanes, [&](std::size_t block) {
-    thread_local std::vector<Neighbour> found;
-    found.resize(k);
+    thread_local BallSearch search;  // reused, so that its memory and last radius are
     const std::size_t first = block * kLanes, end = std::min(first + kLanes, tree.size());
     Vec3d sum(0);
     for (std::size_t i = first; i < end; ++i) sum += Vec3d(tree.point(i));
     const Vec3 middle(sum / static_cast<double>(end - first));
-    const std::size_t n = tree.nearest(middle, found);
-    const float missing =
-        std::cbrt(static_cast<float>(k) / static_cast<float>(std::max(n, std::size_t{1})));
-    const float farthest = n > 0 ? std::sqrt(found[0].distance2()) : 0.f;
+    const std::size_t n = std::min(k, tree.size());
+    const float missing = std::cbrt(static_cast<float>(k) / static_cast<float>(n));
+    const float farthest = std::sqrt(search.radius2OfNearest(tree, middle, k));
     const float radius = std::max(farthest * missing, least);
     for (std::size_t i = first; i < end; ++i) radii2[i] = radius * radius;
   });

@@ -26,5 +26,10 @@ Rgb flightChannels(const Rgb& power);
 /// Both numbers have 24 bits; together they draw the depth with 48. Test: free_flight_test.
 FreeFlight sampleFreeFlight(const MediumAlongRay& medium, const Rgb& channels, float uChannel,
                             float uDepth);
+/// The same through a uniform medium that fills the range.
+FreeFlight sampleFreeFlight(const UniformMedium& medium, Interval range, const Rgb& channels,
+                            float uChannel, float uDepth);
+/// Weight of a flight that such a draw would have let go on, behind the first `way` of the medium.
+Rgb flightPast(const UniformMedium& medium, float way, const Rgb& channels);
 
 }  // namespace brume

@@ -149,80 +149,21 @@ BeamEstimate beamRadiance(const VolumePhotonMap& map, const PhotonBvh& bvh,
   return {sum.times(1), count};
 }
 
-namespace {
-
-/// Squares of the factors by which a radius is taken larger than the last one: so far neighbouring
-/// lookups differ seldom; and by which it grows when it was too small.
-constexpr float kNextRadius2 = 1.25f, kGrowth2 = 1.6f;
-constexpr int kGuesses = 2;
-/// Times k: with more photons a guess is too large to be of use.
-constexpr std::size_t kMostCandidates = 6;
-
-/// The photons within a radius, in the order of the tree, with room for whole rows. False: more
-/// than `most`.
-bool collect(const PhotonKdTree& tree, const Vec3& p, float radius2, std::size_t most,
-             PointScratch& scratch) {
-  std::size_t size = 0;
-  tree.forEachBatchWithin(p, radius2, [&](const PhotonKdTree::Found& batch, std::size_t n) {
-    const std::size_t room = size + n + kLanes;
-    if (scratch.indices.size() < room) {
-      scratch.indices.resize(2 * room);
-      scratch.distances2.resize(2 * room);
-    }
-    std::copy_n(batch.indices.begin(), n, scratch.indices.begin() + static_cast<long>(size));
-    std::copy_n(batch.distances2.begin(), n, scratch.distances2.begin() + static_cast<long>(size));
-    size += n;
-    return size <= most;
-  });
-  scratch.count = size;
-  return size <= most;
-}
-
-/// The squared radius of a lookup of k photons; `scratch` then holds those within it, or some more.
-/// 0: there are none.
-float radius2OfNearest(const PhotonKdTree& tree, const PointLookup& lookup, const Vec3& p,
-                       PointScratch& scratch) {
-  const std::size_t k = lookup.nearest;
-  const float limit2 = sqr(lookup.radius);
-  constexpr std::size_t kAll = ~std::size_t{0};
-  float guess2 = scratch.radius2 * kNextRadius2;
-  for (int i = 0; i < kGuesses && guess2 > 0 && guess2 < limit2; ++i, guess2 *= kGrowth2) {
-    if (!collect(tree, p, guess2, kMostCandidates * k, scratch)) break;
-    if (scratch.count < k) continue;
-    scratch.ranked.assign(scratch.distances2.begin(),
-                          scratch.distances2.begin() + static_cast<long>(scratch.count));
-    const auto kth = scratch.ranked.begin() + static_cast<long>(k - 1);
-    std::nth_element(scratch.ranked.begin(), kth, scratch.ranked.end());
-    return *kth;
-  }
-
-  // The k-th stands in front.
-  scratch.nearest.resize(k);
-  const std::size_t found = tree.nearest(p, scratch.nearest, lookup.radius);
-  const float radius2 = found < k && lookup.radius < kInfinity ? limit2
-                        : found < 2                            ? 0
-                                                               : scratch.nearest[0].distance2();
-  if (radius2 > 0) collect(tree, p, radius2, kAll, scratch);
-  return radius2;
-}
-
-}  // namespace
-
 BeamEstimate pointRadiance(const VolumePhotonMap& map, const PointLookup& lookup, const Vec3& p,
-                           const Vec3& wo, PointScratch& scratch) {
+                           const Vec3& wo, BallSearch& search) {
   float radius2 = sqr(lookup.radius);
   if (lookup.nearest == 0)
-    collect(map.tree(), p, radius2, ~std::size_t{0}, scratch);
+    search.findWithin(map.tree(), p, radius2);
   else
-    radius2 = scratch.radius2 = radius2OfNearest(map.tree(), lookup, p, scratch);
+    radius2 = search.radius2OfNearest(map.tree(), p, lookup.nearest, lookup.radius);
   if (!(radius2 > 0)) return {};
 
   // The same photons in the same order, however they were found.
-  std::uint32_t* const indices = scratch.indices.data();
-  float* const distances2 = scratch.distances2.data();
+  std::uint32_t* const indices = search.indices();
+  float* const distances2 = search.distances2();
   const std::size_t count = hasAvx2()
-                                ? avx2::keepNearer(radius2, indices, distances2, scratch.count)
-                                : generic::keepNearer(radius2, indices, distances2, scratch.count);
+                                ? avx2::keepNearer(radius2, indices, distances2, search.size())
+                                : generic::keepNearer(radius2, indices, distances2, search.size());
   RgbSum sum;
   if (const auto g = phaseOf(map)) {
     const Viewer viewer(-wo, *g);

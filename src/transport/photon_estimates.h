@@ -3,6 +3,7 @@
 // Henyey-Greenstein media, which is nearly all, are evaluated eight photons at a time.
 #pragma once
 
+#include "accelerators/photon_ball.h"
 #include "accelerators/photon_bvh.h"
 #include "core/medium_along_ray.h"
 #include "transport/volume_photon_map.h"
@@ -28,22 +29,12 @@ struct PointLookup {
   float radius = kInfinity;  ///< of the lookup; with k: the largest
 };
 
-/// Memory that lookups use again and again, and the last radius: the next one is likely near it.
-/// What a lookup answers does not depend on what this holds.
-struct PointScratch {
-  std::vector<std::uint32_t> indices;
-  std::vector<float> distances2, ranked;
-  std::size_t count = 0;  ///< of indices and distances2 in use
-  std::vector<Neighbour> nearest;
-  float radius2 = 0;
-};
-
 /// In-scattered light at a point per sigma_t, by the photons around it,
 ///   sum_{i in N(p)} f_p(w_i, w) alpha_i K3(d_i; r)                           [W m^-3 sr^-1]
 /// k nearest: r is the distance to the k-th, which does not count itself, so that the density is
 /// unbiased where it is even; fewer than k within the radius: all of them, with the radius. The map
 /// holds arriving powers. Test: photon_estimates_test.
 BeamEstimate pointRadiance(const VolumePhotonMap& map, const PointLookup& lookup, const Vec3& p,
-                           const Vec3& wo, PointScratch& scratch);
+                           const Vec3& wo, BallSearch& search);
 
 }  // namespace brume

@@ -9,7 +9,6 @@
 #include "core/medium_along_ray.h"
 #include "core/parallel.h"
 #include "transport/aimed_scattering.h"
-#include "transport/free_flight.h"
 
 namespace brume {
 namespace {
@@ -77,6 +76,7 @@ struct PhotonTracer::Path {
 PhotonTracer::PhotonTracer(const Scene& scene, const PhotonRequest& request)
     : scene_(scene),
       request_(request),
+      uniform_(scene.volume() ? scene.volume()->uniform() : std::nullopt),
       media_(mediaToAimAt()),
       sources_(scene,
                {media_, !(request.wanted & kSurfacePhotons).isEmpty(), !request.passiveMedia}) {}
@@ -145,26 +145,50 @@ bool PhotonTracer::scatterAtSurface(Path& path, const SurfaceInteraction& at, Ph
   return true;
 }
 
+/// To the next surface, or to a collision before it.
+PhotonTracer::Flown PhotonTracer::fly(Path& path, MediumAlongRay& medium, Vec2 u,
+                                      Stats& stats) const {
+  const Volume* volume = scene_.volume();
+  const auto toSurface = [&] {
+    auto hit = scene_.intersect(FootprintRay(path.ray), stats);
+    if (hit) path.ray.tMax = distance(path.ray.o, hit->p);
+    return hit;
+  };
+  if (!uniform_) {
+    Flown flown{toSurface(), {}};
+    if (const auto range = volume ? volume->intersect(path.ray) : std::nullopt) {
+      medium.assign(*volume, path.ray, *range);
+      flown.flight = sampleFreeFlight(medium, flightChannels(path.power), u.x, u.y);
+    }
+    return flown;
+  }
+
+  // The flight first: surfaces behind its end need not be found.
+  Flown flown;
+  const auto range = volume->intersect(path.ray);
+  if (!range) return {toSurface(), {}};
+  const Rgb channels = flightChannels(path.power);
+  flown.flight = sampleFreeFlight(*uniform_, *range, channels, u.x, u.y);
+  if (flown.flight.t) path.ray.tMax = *flown.flight.t;
+  flown.hit = toSurface();
+  if (flown.hit) {
+    const float way = std::max(0.f, std::min(path.ray.tMax, range->t1) - range->t0);
+    flown.flight = {std::nullopt, flightPast(*uniform_, way, channels)};
+  }
+  return flown;
+}
+
 void PhotonTracer::tracePath(PathRandom random, PhotonClasses wanted, std::vector<Photon>& photons,
                              Stats& stats) const {
   stats.add(Stat::PhotonPaths);
   Path path;
   if (!emit(random, path)) return;
   thread_local MediumAlongRay medium;  // reused, so that its memory is
-  const Volume* volume = scene_.volume();
   while (!(reachable(path.stage) & wanted).isEmpty()) {
     stats.add(Stat::PhotonSegments);
-    const auto hit = scene_.intersect(FootprintRay(path.ray), stats);
-    if (hit) path.ray.tMax = distance(path.ray.o, hit->p);
-
-    // A free flight through the media on the way; the numbers are drawn in any case, so that later
-    // ones keep their dimension.
+    // The numbers of a free flight are drawn in any case, so that later ones keep their dimension.
     const Vec2 u = random.get2D();
-    FreeFlight flight;
-    if (const auto range = volume ? volume->intersect(path.ray) : std::nullopt) {
-      medium.assign(*volume, path.ray, *range);
-      flight = sampleFreeFlight(medium, flightChannels(path.power), u.x, u.y);
-    }
+    const auto [hit, flight] = fly(path, medium, u, stats);
     path.power *= flight.weight;
     if (!(largest(path.power) > 0)) return;
 
@@ -174,7 +198,8 @@ void PhotonTracer::tracePath(PathRandom random, PhotonClasses wanted, std::vecto
       if (wanted.contains(c))
         photons.push_back(Photon::inMedium(path.ray(*flight.t), -path.ray.d, path.power, c));
       if (!mayScatter || request_.passiveMedia) return;
-      if (!scatterInMedium(path, *flight.t, albedoOf(medium.at(*flight.t)), random)) return;
+      const MediumCoefficients here = uniform_ ? uniform_->coefficients : medium.at(*flight.t);
+      if (!scatterInMedium(path, *flight.t, albedoOf(here), random)) return;
     } else if (hit) {
       if (!mayScatter) wanted = wanted & kSurfacePhotons;
       if (!scatterAtSurface(path, *hit, wanted, photons, random) || !mayScatter) return;

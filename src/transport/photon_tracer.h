@@ -8,6 +8,7 @@
 #include <span>
 
 #include "core/scene.h"
+#include "transport/free_flight.h"
 #include "transport/path_random.h"
 #include "transport/photon.h"
 #include "transport/photon_sources.h"
@@ -66,8 +67,14 @@ class PhotonTracer {
 
  private:
   struct Path;
+  /// How far a path gets: a collision (flight.t), or a surface, or neither.
+  struct Flown {
+    std::optional<SurfaceInteraction> hit;
+    FreeFlight flight;
+  };
   struct Scratch;
   bool emit(PathRandom& random, Path& path) const;
+  Flown fly(Path& path, MediumAlongRay& medium, Vec2 u, Stats& stats) const;
   Ball mediaToAimAt() const;
   bool scatterInMedium(Path& path, float t, const Rgb& albedo, PathRandom& random) const;
   bool scatterAtSurface(Path& path, const SurfaceInteraction& at, PhotonClasses wanted,
@@ -75,6 +82,7 @@ class PhotonTracer {
 
   const Scene& scene_;
   PhotonRequest request_;
+  std::optional<UniformMedium> uniform_;  ///< all there is, where it is that simple
   Ball media_;  // around those whose photons are wanted; radius 0: none are
   PhotonSources sources_;
 };

@@ -35,6 +35,27 @@ TEST(FreeFlight, ThinMediaCollideByTheirDepth) {
   }
 }
 
+TEST(FreeFlight, UniformMediaNeedNoLookup) {
+  Rng rng(1);
+  for (const Rgb& sigma_s : {Rgb(2), Rgb(2, 1, 0.5f), Rgb(0, 3, 0.1f), Rgb(0)}) {
+    test::MediumSpec spec;
+    spec.sigma_s = sigma_s;
+    const auto volume = test::makeHomogeneous(spec);
+    const Ray ray{Vec3(0.5f, 0.5f, -1), Vec3(0, 0, 1)};
+    const Interval range = *volume->intersect(ray);
+    const MediumAlongRay medium(*volume, ray, range);
+    for (int i = 0; i < 500; ++i) {
+      const Rgb channels = flightChannels(Rgb(rng.uniform(), rng.uniform(), rng.uniform()));
+      const float uChannel = rng.uniform(), uDepth = rng.uniform();
+      const FreeFlight a = sampleFreeFlight(medium, channels, uChannel, uDepth),
+                       b = sampleFreeFlight(*volume->uniform(), range, channels, uChannel, uDepth);
+      ASSERT_EQ(a.t.has_value(), b.t.has_value());
+      EXPECT_NEAR(a.t.value_or(0), b.t.value_or(0), 1e-6f * a.t.value_or(0));
+      for (int c = 0; c < 3; ++c) EXPECT_NEAR(a.weight[c], b.weight[c], 1e-5f * a.weight[c]);
+    }
+  }
+}
+
 TEST(FreeFlight, WeightsAreThoseOfTheMeanDensity) {
   test::MediumSpec spec;
   spec.sigma_s = Rgb(2, 1, 0.5f);

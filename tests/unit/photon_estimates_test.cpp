@@ -110,7 +110,7 @@ TEST(VolumePhotonMap, PointRadianceIsItsSum) {
     const std::vector<Photon> photons = randomPhotons(3000, 2);
     const VolumePhotonMap map(*volume, photons, Power::Arriving);
     Rng rng(5);
-    PointScratch scratch;
+    BallSearch search;
     for (int q = 0; q < 20; ++q) {
       const Vec3 p(rng.uniform(), rng.uniform(), rng.uniform()), wo = test::randomDirection(rng);
       std::vector<std::pair<double, const Photon*>> byDistance;
@@ -133,22 +133,22 @@ TEST(VolumePhotonMap, PointRadianceIsItsSum) {
             byDistance.begin(), byDistance.end(), [&](const auto& x) { return x.first < r * r; }));
       };
       // All within a radius.
-      const BeamEstimate fixed = pointRadiance(map, {0, 0.2f}, p, wo, scratch);
+      const BeamEstimate fixed = pointRadiance(map, {0, 0.2f}, p, wo, search);
       EXPECT_EQ(fixed.photons, within(0.2));
       expectNear(fixed.L, sum(within(0.2), 0.2 * 0.2));
       // The 30 nearest: 29 count, and the 30th sets the radius.
-      const BeamEstimate nearest = pointRadiance(map, {30}, p, wo, scratch);
+      const BeamEstimate nearest = pointRadiance(map, {30}, p, wo, search);
       EXPECT_EQ(nearest.photons, 29u);
       expectNear(nearest.L, sum(29, byDistance[29].first));
       // However far the last lookup reached.
-      for (const float radius2 : {0.f, 0.5f, 0.99f, 1.01f, 1.3f, 100.f}) {
-        scratch.radius2 = radius2 * static_cast<float>(byDistance[29].first);
-        const BeamEstimate again = pointRadiance(map, {30}, p, wo, scratch);
+      for (const std::size_t other : {2u, 10u, 29u, 31u, 40u, 300u, 3000u}) {
+        search.radius2OfNearest(map.tree(), p, other);
+        const BeamEstimate again = pointRadiance(map, {30}, p, wo, search);
         EXPECT_EQ(again.photons, 29u);
-        EXPECT_EQ(again.L, nearest.L) << "the same bits after a radius^2 of " << radius2;
+        EXPECT_EQ(again.L, nearest.L) << "the same bits after a search of " << other;
       }
       // Fewer than asked for within the radius: that radius.
-      const BeamEstimate few = pointRadiance(map, {2000, 0.2f}, p, wo, scratch);
+      const BeamEstimate few = pointRadiance(map, {2000, 0.2f}, p, wo, search);
       EXPECT_EQ(few.photons, within(0.2));
       expectNear(few.L, sum(within(0.2), 0.2 * 0.2));
     }
@@ -222,14 +222,14 @@ TEST_F(BiasOfEstimates, OfBeamsFallsWithTheSquareOfTheRadius) {
 
 TEST_F(BiasOfEstimates, OfPointsFallsWithTheSquareOfTheRadius) {
   const VolumePhotonMap map(*volume_, photons_, Power::Arriving);
-  PointScratch scratch;
+  BallSearch search;
   const auto error = [&](float r) {
     // The mean over a plane in which the density is the same.
     double L = 0;
     for (int i = 0; i < 24 * 24; ++i) {
       const Vec3 p(0.5f, 0.25f + static_cast<float>(i % 24) / 48,
                    0.25f + static_cast<float>(i / 24) / 48);
-      L += double{pointRadiance(map, {0, r}, p, Vec3(0, 0, 1), scratch).L.g} / (24 * 24);
+      L += double{pointRadiance(map, {0, r}, p, Vec3(0, 0, 1), search).L.g} / (24 * 24);
     }
     return L * 4 * M_PI / kExact - 1;
   };
@@ -248,11 +248,11 @@ TEST_F(BiasOfEstimates, NearestPhotonsCountTheDensityRight) {
   for (Photon& photon : photons) photon.power = Rgb(1.f / kN);
   const VolumePhotonMap map(*volume_, photons, Power::Arriving);
   Rng rng(8);
-  PointScratch scratch;
+  BallSearch search;
   double sum = 0;
   for (int i = 0; i < kQueries; ++i) {
     const Vec3 p = Vec3(0.2f) + 0.6f * Vec3(rng.uniform(), rng.uniform(), rng.uniform());
-    sum += double{pointRadiance(map, {11}, p, Vec3(0, 0, 1), scratch).L.g} * 4 * M_PI;
+    sum += double{pointRadiance(map, {11}, p, Vec3(0, 0, 1), search).L.g} * 4 * M_PI;
   }
   // 3000 estimates of 10 photons each, on 50,000 photons: 1 %.
   EXPECT_NEAR(sum / kQueries, 1, 0.03);

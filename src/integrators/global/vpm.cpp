@@ -57,7 +57,7 @@ class Vpm final : public PhotonMapIntegrator {
 
   BeamEstimate estimate(const VolumePhotonMap& map, const MediumAlongRay& medium,
                         RenderContext& context) const override {
-    thread_local PointScratch scratch;  // reused, so that its memory is
+    thread_local BallSearch search;  // reused, so that its memory is
     const Interval range = medium.occupied();
     // Whole steps, none longer than asked for.
     const double steps = std::ceil(double{range.length()} / double{step_});
@@ -69,7 +69,7 @@ class Vpm final : public PhotonMapIntegrator {
       const Rgb scattered = medium.transmittance(t) * albedoOf(medium.at(t));
       if (scattered.isBlack()) continue;
       const BeamEstimate here =
-          pointRadiance(map, lookup_, medium.ray()(t), -medium.ray().d, scratch);
+          pointRadiance(map, lookup_, medium.ray()(t), -medium.ray().d, search);
       sum.L += scattered * here.L * static_cast<float>(dt);
       sum.photons += here.photons;
     }
