@@ -35,8 +35,8 @@ SurfacePhotonMap::SurfacePhotonMap(std::vector<Photon> photons, const Accelerato
     directions_.push_back({photon.wi.unpack(), photon.normal()});
 }
 
-/// One estimate in the making: sum_i lightOf(photon_i, wi_i) K2(d_i; r) over the part of the disc
-/// that is there.
+/// One estimate in the making: sum_i lightOf(photon_i, directions_i) K2(d_i; r) over the part of
+/// the disc that is there.
 template <class LightOf>
 struct SurfacePhotonMap::Disc {
   const SurfacePhotonMap& map;
@@ -50,7 +50,7 @@ struct SurfacePhotonMap::Disc {
            absDot(map.photons_[i].p - at.p, at.n) <= kMaxHeight * radius;
   }
   Rgb light(std::uint32_t i, float d2) const {
-    return lightOf(map.photons_[i], map.directions_[i].wi) * kernel(d2);
+    return lightOf(map.photons_[i], map.directions_[i]) * kernel(d2);
   }
 
   /// `forEach` calls its argument with every photon in reach and its squared distance.
@@ -100,11 +100,16 @@ Rgb SurfacePhotonMap::ofNearest(const SurfaceInteraction& at, std::size_t k, flo
 
 namespace {
 
-/// f alpha with the cosines, as a function of the photon.
+/// From here on (cosine) two normals are one, but for the rounding of the photon's.
+constexpr float kSamePlane = 0.99999f;
+
+/// f alpha with the cosines, as a function of the photon: its power is counted per area of the
+/// surface where it lies, which on a curved object is not the one of `at`.
 auto scatteredBy(const SurfaceInteraction& at, const Bsdf& bsdf) {
-  return [&](const Photon& photon, const Vec3& wi) -> Rgb {
+  return [&](const Photon& photon, const auto& directions) -> Rgb {
+    const Vec3 &wi = directions.wi, &n = directions.n;
     const Rgb f = bsdf.f(at.wo, wi, kNonSpecular);
-    const float geometric = absDot(wi, bsdf.geometricNormal());
+    const float geometric = absDot(wi, dot(n, at.n) > kSamePlane ? at.n : n);
     if (f.isBlack() || !(geometric > 0)) return {};
     return f * photon.power * (absDot(wi, bsdf.shadingNormal()) / geometric);
   };
@@ -127,9 +132,10 @@ Rgb SurfacePhotonMap::radianceOfNearest(const SurfaceInteraction& at, const Bsdf
 Rgb SurfacePhotonMap::irradianceOfNearest(const SurfaceInteraction& at, std::size_t k,
                                           float maxRadius) const {
   const Vec3 side = dot(at.n, at.wo) < 0 ? -at.n : at.n;
-  return ofNearest(at, k, maxRadius, [&](const Photon& photon, const Vec3& wi) -> Rgb {
-    return dot(wi, side) > 0 ? photon.power : Rgb();
-  });
+  return ofNearest(at, k, maxRadius,
+                   [&](const Photon& photon, const Directions& directions) -> Rgb {
+                     return dot(directions.wi, side) > 0 ? photon.power : Rgb();
+                   });
 }
 
 }  // namespace brume

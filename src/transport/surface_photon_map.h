@@ -13,14 +13,14 @@ namespace brume {
 class Accelerator;
 
 /// Photons on surfaces, and the radiance that they give to a point:
-///   L(o, wo) ~= sum_{d_i < r} f(wo, wi) |wi.ns| / |wi.ng| alpha_i K2(d_i; r)   [W m^-2 sr^-1]
+///   L(o, wo) ~= sum_{d_i < r} f(wo, wi) |wi.ns| / |wi.n_i| alpha_i K2(d_i; r)   [W m^-2 sr^-1]
 /// f BSDF without specular lobes [1/sr], alpha_i photon power [W], K2 kernel [length^-2]. The
-/// cosines turn the photons' irradiance, which counts by the geometric normal, into that of the
-/// shading normal. Photons on surfaces that lean away (normals more than 60 degrees apart) or lie
-/// off the tangent plane by more than a quarter of the radius are left out: light does not leak
-/// around corners; where some are, the estimate is divided by the part of the disc that lies on the
-/// surface (surfaceShare), and photons behind what stands on it are left out. Bias O(r^2).
-/// Immutable and thread-safe. Test: surface_photon_map_test.
+/// cosines turn the photons' irradiance, which counts by the geometric normal n_i where each of
+/// them lies, into that of the shading normal. Photons on surfaces that lean away (normals more
+/// than 60 degrees apart) or lie off the tangent plane by more than a quarter of the radius are
+/// left out: light does not leak around corners; where some are, the estimate is divided by the
+/// part of the disc that lies on the surface (surfaceShare), and photons behind what stands on it
+/// are left out. Bias O(r^2). Immutable and thread-safe. Test: surface_photon_map_test.
 class SurfacePhotonMap {
  public:
   /// Takes the surface photons among the given ones. Without an accelerator, estimates are too dark

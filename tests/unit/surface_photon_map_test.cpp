@@ -133,6 +133,22 @@ TEST(SurfacePhotonMap, ShadingNormalsWeighTheIrradiance) {
   EXPECT_NEAR(ratio, dot(wi, ns) / dot(wi, kUp), 1e-4f);  // directions are stored to 7e-5
 }
 
+TEST(SurfacePhotonMap, PhotonsCountByTheSurfaceWhereTheyLie) {
+  // Light that falls steeply on a neighbouring facet and grazes this one gives it little, however
+  // its normal is shaded: dividing by the cosine here instead would make it 100 times too bright.
+  const Vec3 facet = normalize(Vec3(0.8f, 0, 1)), wi = normalize(Vec3(1, 0, 0.01f));
+  const std::vector<Photon> photons{
+      Photon::onSurface({0.1f, 0, 0}, wi, facet, Rgb(1), PhotonClass::SurfaceIndirect)};
+  const SurfacePhotonMap map{std::span<const Photon>(photons)};
+  const double kernel = 3 / M_PI * sqr(1 - 0.1 * 0.1);
+  for (const Vec3& ns : {kUp, normalize(Vec3(0.3f, 0, 1))}) {
+    const Query query({0, 0, 0}, kUp, ns);
+    const double expected = double{kF} * kernel * double{dot(wi, ns) / dot(wi, facet)};
+    // Directions are stored to 7e-5, of which the cosine of 0.01 knows 0.7 %, normals to 1e-3.
+    EXPECT_NEAR(double{map.radiance(query.at, query.bsdf, 1).r}, expected, 0.01 * expected);
+  }
+}
+
 TEST(SurfacePhotonMap, NoLightLeaksAroundACorner) {
   // A lit wall x = 0 meets a dark floor z = 0, and a second floor lies below the first.
   Rng rng(3);
