@@ -26,6 +26,25 @@ std::uint32_t mortonCode(const Vec3& unit) {
   return spread(unit.x) | spread(unit.y) << 1 | spread(unit.z) << 2;
 }
 
+/// A photon's place along the curve.
+struct Place {
+  std::uint32_t code, photon;
+};
+
+/// By code; equal codes keep their order.
+void sortPlaces(std::vector<Place>& places) {
+  constexpr int kBits = 30, kDigit = 10;
+  constexpr std::uint32_t kMask = (1u << kDigit) - 1;
+  std::vector<Place> other(places.size());
+  for (int shift = 0; shift < kBits; shift += kDigit) {
+    std::array<std::size_t, kMask + 2> begin{};
+    for (const Place& place : places) ++begin[(place.code >> shift & kMask) + 1];
+    for (std::size_t i = 1; i < begin.size(); ++i) begin[i] += begin[i - 1];
+    for (const Place& place : places) other[begin[place.code >> shift & kMask]++] = place;
+    places.swap(other);
+  }
+}
+
 /// The media along the beams that a thread has lately asked for. What it answers does not depend on
 /// what it holds.
 class MediaOfBeams {
@@ -73,20 +92,20 @@ Bounds3 reachOf(std::span<const Beam> beams) {
 
 VolumePhotons::VolumePhotons(const Volume& volume, std::span<const Photon> photons,
                              const Bounds3& reach) {
-  // Along a space-filling curve; equal codes keep their order.
+  // Along a space-filling curve.
   const Bounds3 bounds = volume.bounds();
   const Vec3 scale = Vec3(1) / max(bounds.diagonal(), Vec3(std::numeric_limits<float>::min()));
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> order;
+  std::vector<Place> order;
   order.reserve(photons.size());
   for (std::size_t i = 0; i < photons.size(); ++i) {
     if (photons[i].isOnSurface()) continue;
     if (reach.contains(photons[i].p))
-      order.emplace_back(mortonCode((photons[i].p - bounds.lo) * scale),
-                         static_cast<std::uint32_t>(i));
+      order.push_back(
+          {mortonCode((photons[i].p - bounds.lo) * scale), static_cast<std::uint32_t>(i)});
     else
       ++outside_;
   }
-  std::sort(order.begin(), order.end());
+  sortPlaces(order);
 
   photons_.reserve(order.size());
   std::vector<PhaseLobe> lobes;
