@@ -84,10 +84,11 @@ class PixelStream final : public ScrambledSequence {
     constexpr double kMargin = 1e-5;
     const Vec2 lo(onTile(pixel_.x, corner.x, -kMargin), onTile(pixel_.y, corner.y, -kMargin));
     const Vec2 hi(onTile(pixel_.x + 1, corner.x, kMargin), onTile(pixel_.y + 1, corner.y, kMargin));
+    const double left = pixel_.x, top = pixel_.y;
     pattern_.forEachNear(lo, hi, [&](const Point& p) {
       const double x = corner.x + static_cast<double>(p.position.x) * tiling_.width;
       const double y = corner.y + static_cast<double>(p.position.y) * tiling_.width;
-      if (std::floor(x) != pixel_.x || std::floor(y) != pixel_.y) return;
+      if (!(x >= left && x < left + 1 && y >= top && y < top + 1)) return;
       const Vec2 u(std::min(static_cast<float>(x - pixel_.x), kOneMinusEpsilon),
                    std::min(static_cast<float>(y - pixel_.y), kOneMinusEpsilon));
       points_.push_back({u, moved(p.lens, lensShift), moved(p.time, timeShift)});
