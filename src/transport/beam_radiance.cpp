@@ -8,6 +8,7 @@
 
 #include "accelerators/beam_quadtree.h"
 #include "core/medium_along_ray.h"
+#include "core/parallel.h"
 #include "transport/free_flight.h"
 #include "transport/kernels.h"
 
@@ -44,6 +45,33 @@ void sortPlaces(std::vector<Place>& places) {
     places.swap(other);
   }
 }
+
+constexpr std::int64_t kAtOnce = 4096;  // photons that one task prepares
+
+/// What one task prepares.
+struct Part {
+  std::size_t first = 0, count = 0;  // of photons
+  std::vector<BeamLobe> lobes;       // what lobesBegin counts in
+  bool haveLobes = true;
+  std::vector<PhaseLobe> ofOne;  // scratch
+
+  /// False: the photon is not scattered.
+  bool append(const Volume& volume, const Photon& photon, BeamPhoton& to) {
+    const Rgb scattered = photon.power * albedoOf(volume.at(photon.p));
+    if (scattered.isBlack()) return false;
+    ofOne.clear();
+    haveLobes = volume.appendLobes(photon.p, ofOne);
+    to = {photon.p, -photon.wi.unpack(), scattered, 0, 0, 0};
+    if (!haveLobes) return true;
+    to.g = ofOne[0].g;
+    to.power = scattered * ofOne[0].weight;
+    to.lobesBegin = static_cast<std::uint32_t>(lobes.size());
+    to.lobeCount = static_cast<std::uint32_t>(ofOne.size() - 1);
+    for (std::size_t k = 1; k < ofOne.size(); ++k)
+      lobes.push_back({scattered * ofOne[k].weight, ofOne[k].g});
+    return true;
+  }
+};
 
 /// The media along the beams that a thread has lately asked for. What it answers does not depend on
 /// what it holds.
@@ -107,25 +135,30 @@ VolumePhotons::VolumePhotons(const Volume& volume, std::span<const Photon> photo
   }
   sortPlaces(order);
 
-  photons_.reserve(order.size());
-  std::vector<PhaseLobe> lobes;
-  for (const auto& [code, i] : order) {
-    const Photon& photon = photons[i];
-    const Rgb scattered = photon.power * albedoOf(volume.at(photon.p));
-    if (scattered.isBlack()) continue;
-    lobes.clear();
-    haveLobes_ = volume.appendLobes(photon.p, lobes);
-    BeamPhoton to{photon.p, -photon.wi.unpack(), scattered, 0, 0, 0};
-    if (haveLobes_) {
-      to.g = lobes[0].g;
-      to.power = scattered * lobes[0].weight;
-      to.lobesBegin = static_cast<std::uint32_t>(lobes_.size());
-      to.lobeCount = static_cast<std::uint32_t>(lobes.size() - 1);
-      for (std::size_t k = 1; k < lobes.size(); ++k)
-        lobes_.push_back({scattered * lobes[k].weight, lobes[k].g});
+  // Chunks fill their places in parallel; then black photons, which are rare, leave no gaps.
+  photons_.resize(order.size());
+  std::vector<Part> parts((order.size() + kAtOnce - 1) / kAtOnce);
+  forEachChunk(static_cast<std::int64_t>(order.size()), kAtOnce,
+               [&](std::int64_t begin, std::int64_t end, std::int64_t chunk) {
+                 const auto first = static_cast<std::size_t>(begin);
+                 Part& part = parts[static_cast<std::size_t>(chunk)];
+                 part.first = first;
+                 for (const Place& place :
+                      std::span(order).subspan(first, static_cast<std::size_t>(end - begin)))
+                   if (part.append(volume, photons[place.photon], photons_[first + part.count]))
+                     ++part.count;
+               });
+  std::size_t count = 0;
+  for (const Part& part : parts) {
+    for (std::size_t i = 0; i < part.count; ++i) {
+      BeamPhoton photon = photons_[part.first + i];
+      photon.lobesBegin += static_cast<std::uint32_t>(lobes_.size());
+      photons_[count++] = photon;
     }
-    photons_.push_back(to);
+    lobes_.insert(lobes_.end(), part.lobes.begin(), part.lobes.end());
+    haveLobes_ &= part.haveLobes;
   }
+  photons_.resize(count);
 }
 
 namespace {
