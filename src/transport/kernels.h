@@ -3,6 +3,8 @@
 // work with squares, of the radius r > 0 and of the distance d.
 #pragma once
 
+#include <algorithm>
+
 #include "core/math.h"
 
 namespace brume {
@@ -33,6 +35,14 @@ class BallKernel {
  private:
   float inverseRadius2_, peak_;
 };
+
+/// The part of BallKernel's integral on the near side of a plane at the signed distance u r from
+/// the centre: its marginal is 35/32 (1 - u^2)^3.
+inline float ballKernelBefore(float u) {
+  u = std::clamp(u, -1.f, 1.f);
+  const float u2 = u * u;
+  return 0.5f + 35.f / 32.f * u * (1 - u2 * (1 - u2 * (0.6f - u2 / 7.f)));
+}
 
 /// An estimate blurred by K has the bias c r^2 times the Laplacian of the exact density (over the
 /// disc perpendicular to the ray, or in space), up to O(r^4): c = Int K(x) x_1^2 dx / (2 r^2).

@@ -149,6 +149,24 @@ BeamEstimate beamRadiance(const VolumePhotonMap& map, const PhotonBvh& bvh,
   return {sum.times(1), count};
 }
 
+namespace {
+
+/// Leaves out the photons that are not between the planes; returns how many are left.
+std::size_t keepBetween(const PhotonKdTree& tree, const Vec3& p, const Vec3& along,
+                        Interval between, BallSearch& search, std::size_t count) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::uint32_t index = search.indices()[i];
+    const float s = dot(tree.point(index) - p, along);
+    search.indices()[kept] = index;
+    search.distances2()[kept] = search.distances2()[i];
+    kept += s >= between.t0 && s <= between.t1 ? 1 : 0;
+  }
+  return kept;
+}
+
+}  // namespace
+
 BeamEstimate pointRadiance(const VolumePhotonMap& map, const PointLookup& lookup, const Vec3& p,
                            const Vec3& wo, BallSearch& search) {
   float radius2 = sqr(lookup.radius);
@@ -161,9 +179,17 @@ BeamEstimate pointRadiance(const VolumePhotonMap& map, const PointLookup& lookup
   // The same photons in the same order, however they were found.
   std::uint32_t* const indices = search.indices();
   float* const distances2 = search.distances2();
-  const std::size_t count = hasAvx2()
-                                ? avx2::keepNearer(radius2, indices, distances2, search.size())
+  std::size_t count = hasAvx2() ? avx2::keepNearer(radius2, indices, distances2, search.size())
                                 : generic::keepNearer(radius2, indices, distances2, search.size());
+  // The part of the kernel that counts.
+  double part = 1;
+  const float radius = std::sqrt(radius2);
+  if (lookup.between.t0 > -radius || lookup.between.t1 < radius) {
+    count = keepBetween(map.tree(), p, -wo, lookup.between, search, count);
+    part = double{ballKernelBefore(lookup.between.t1 / radius)} -
+           double{ballKernelBefore(lookup.between.t0 / radius)};
+    if (!(part > 0)) return {};
+  }
   RgbSum sum;
   if (const auto g = phaseOf(map)) {
     const Viewer viewer(-wo, *g);
@@ -178,12 +204,12 @@ BeamEstimate pointRadiance(const VolumePhotonMap& map, const PointLookup& lookup
         generic::addPoint(map.rows(), viewer, indices + i, distances2 + i, n, 1 / radius2, some);
       some.addTo(sum);
     }
-    return {sum.times(viewer.factor * double{BallKernel(radius2)(0)}), count};
+    return {sum.times(viewer.factor * double{BallKernel(radius2)(0)} / part), count};
   }
   const BallKernel kernel(radius2);
   for (std::size_t i = 0; i < count; ++i)
     sum.add(turned(map, indices[i], p, wo) * kernel(distances2[i]));
-  return {sum.times(1), count};
+  return {sum.times(1 / part), count};
 }
 
 }  // namespace brume

@@ -27,6 +27,9 @@ BeamEstimate beamRadiance(const VolumePhotonMap& map, const PhotonBvh& bvh,
 struct PointLookup {
   std::size_t nearest = 0;   ///< k; 0: all within radius
   float radius = kInfinity;  ///< of the lookup; with k: the largest
+  /// Only photons between these two planes count, at these distances from the point along -wo; for
+  /// what they cut off the ball the kernel is scaled up.
+  Interval between{-kInfinity, kInfinity};
 };
 
 /// In-scattered light at a point per sigma_t, by the photons around it,

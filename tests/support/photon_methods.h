@@ -7,16 +7,14 @@
 
 namespace brume::test {
 
-/// Albedo 1 under radiance 1 from everywhere shows 1, seen along the normal of a slab. Of methods
-/// whose kernels do not reach across the faces of the slab.
+/// Albedo 1 under radiance 1 from everywhere shows 1, seen along the normal of a slab.
 void checkFurnace(const std::string& method);
 /// Means agree with volpath: media that scatter forwards, are coloured, vary, overlap; unscattered
 /// light by sampling and by photons.
 void checkAgainstVolpath(const std::string& method);
 /// The same with walls, a mirror and glass, caustics and indirect light on surfaces and in media.
 void checkSurfacesAgainstVolpath(const std::string& method);
-/// A lamp on the other side of a wall: black, though photons lie right behind the wall. Of methods
-/// whose kernels do not reach beyond the end of a ray.
+/// A lamp on the other side of a wall: black, though photons lie right behind the wall.
 void checkWall(const std::string& method);
 /// The same bits for 1, 2 and 7 threads.
 void checkThreads(const std::string& method);

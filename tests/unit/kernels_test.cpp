@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 namespace brume {
 namespace {
 
@@ -49,6 +51,20 @@ TEST(Kernels, HaveTheSecondMomentsOfTheirBias) {
     const double r2 = double{r} * double{r};
     EXPECT_NEAR(ofDisc / (2 * r2), double{kDiscKernelBias}, kTolerance) << r;
     EXPECT_NEAR(ofBall / (2 * r2), double{kBallKernelBias}, kTolerance) << r;
+  }
+}
+
+TEST(Kernels, KnowWhatAPlaneCutsOff) {
+  // By slices: at the height z the ball's section is a disc of radius^2 r^2 - z^2.
+  const BallKernel ball(1);
+  for (const double u : {-1.5, -1., -0.7, -0.1, 0., 0.4, 0.95, 1., 7.}) {
+    const double sum = integrate(std::clamp(u, -1., 1.) + 1, [&](double h) {
+      const double z = h - 1;
+      return integrate(std::sqrt(std::max(0., 1 - z * z)), [&](double d) {
+        return 2 * kPiD * d * double{ball(static_cast<float>(d * d + z * z))};
+      });
+    });
+    EXPECT_NEAR(sum, double{ballKernelBefore(static_cast<float>(u))}, kTolerance) << u;
   }
 }
 

@@ -8,7 +8,10 @@
 namespace brume {
 namespace {
 
+TEST(Vpm, WhiteFurnace) { test::checkFurnace("vpm"); }
 TEST(Vpm, AgreesWithVolpath) { test::checkAgainstVolpath("vpm"); }
+TEST(Vpm, AgreesWithVolpathAroundSurfaces) { test::checkSurfacesAgainstVolpath("vpm"); }
+TEST(Vpm, CountsNoPhotonBehindAWall) { test::checkWall("vpm"); }
 TEST(Vpm, DoesNotDependOnThreads) { test::checkThreads("vpm"); }
 TEST(Vpm, SaysWhereNoPhotonsAre) { test::checkScarcity("vpm"); }
 

@@ -22,9 +22,9 @@ constexpr float kMostSteps = 1e5f;
 /// N(x_j): the nused nearest, of which the farthest sets r_j and does not count itself; or all
 /// within `radius`. The march itself has no bias, whatever the step. All else as in
 /// PhotonMapIntegrator. Deposit rule: at every collision, before the albedo (applied at x_j,
-/// nowhere else). Bias O(r^2) for smooth fields, O(r) within r of the end of a medium and of walls;
-/// variance O(1/(N r^2 max(r, step))). Source: Jensen, Christensen 1998, Efficient Simulation of
-/// Light Transport in Scenes with Participating Media using Photon Maps. Test: vpm_test.
+/// nowhere else). Bias O(r^2) for smooth fields, O(r) within r of faces and walls that slant to the
+/// ray; variance O(1/(N r^2 max(r, step))). Source: Jensen, Christensen 1998, Efficient Simulation
+/// of Light Transport in Scenes with Participating Media using Photon Maps. Test: vpm_test.
 class Vpm final : public PhotonMapIntegrator {
  public:
   struct Params : PhotonMapParams {
@@ -58,7 +58,9 @@ class Vpm final : public PhotonMapIntegrator {
   BeamEstimate estimate(const VolumePhotonMap& map, const MediumAlongRay& medium,
                         RenderContext& context) const override {
     thread_local BallSearch search;  // reused, so that its memory is
+    // Photons beyond the ends of the ray or of the medium do not count.
     const Interval range = medium.occupied();
+    PointLookup lookup = lookup_;
     // Whole steps, none longer than asked for.
     const double steps = std::ceil(double{range.length()} / double{step_});
     const double dt = double{range.length()} / steps;
@@ -68,8 +70,9 @@ class Vpm final : public PhotonMapIntegrator {
       const auto t = static_cast<float>(double{range.t0} + (j + offset) * dt);
       const Rgb scattered = medium.transmittance(t) * albedoOf(medium.at(t));
       if (scattered.isBlack()) continue;
+      lookup.between = {range.t0 - t, range.t1 - t};
       const BeamEstimate here =
-          pointRadiance(map, lookup_, medium.ray()(t), -medium.ray().d, search);
+          pointRadiance(map, lookup, medium.ray()(t), -medium.ray().d, search);
       sum.L += scattered * here.L * static_cast<float>(dt);
       sum.photons += here.photons;
     }
