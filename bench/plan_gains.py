@@ -213,7 +213,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--runs", type=int, default=6, help="of each scene, half for the long ones")
-    parser.add_argument("--json", type=pathlib.Path, help="where the figures go")
+    parser.add_argument("--json", type=pathlib.Path, help="where the figures go; with --filter the other rows stay")
     parser.add_argument("--filter", default=".", help="regular expression for rules")
     parser.add_argument("--fail-above", type=float, default=float("inf"), metavar="RATIO")
     parser.add_argument("--brume", type=pathlib.Path, help="the program; default: that of the build")
@@ -228,6 +228,10 @@ def main():
     print("\n".join(markdown(rows)))
     if arguments.json:
         machine = common.machine()
+        if arguments.filter != "." and arguments.json.exists():
+            measured = {row["rule"] for row in rows}
+            old = json.loads(arguments.json.read_text())["rows"]
+            rows = [row for row in old if row["rule"] not in measured] + rows
         arguments.json.write_text(json.dumps({"machine": machine, "rows": rows}, indent=1) + "\n")
     slower = [r["rule"] for r in rows if r["with"] > arguments.fail_above * r["without"]]
     for rule in slower:
