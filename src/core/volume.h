@@ -75,6 +75,13 @@ struct UniformMedium {
   float g = 0;  ///< 0: isotropic
 };
 
+/// A box of render space: p is inside where dot(normal, p) <= offset for all faces, those of one
+/// axis side by side. Normals are unit vectors to the outside.
+struct MediumBox {
+  std::array<Vec3d, 6> normal;
+  std::array<double, 6> offset;
+};
+
 /// A participating medium in a region of render space. Immutable and thread-safe. Everything that
 /// can be computed exactly is. Rays are parametrised by t with a normalised direction, so t is a
 /// length; intervals must lie inside the ray, they may reach beyond the medium.
@@ -89,6 +96,8 @@ class Volume {
   virtual ~Volume() = default;
 
   virtual Bounds3 bounds() const = 0;
+  /// Appends the boxes that end media, where their ends are those of boxes.
+  virtual void appendBoxes(std::vector<MediumBox>& /*boxes*/) const {}
   /// The part of (0, ray.tMax) that may hold medium; none when the ray misses. Empty ends are cut
   /// off as far as that is cheap.
   virtual std::optional<Interval> intersect(const Ray& ray) const = 0;

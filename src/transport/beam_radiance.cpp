@@ -11,6 +11,7 @@
 #include "core/parallel.h"
 #include "transport/free_flight.h"
 #include "transport/kernels.h"
+#include "transport/photon_mirror.h"
 
 namespace brume {
 namespace {
@@ -48,6 +49,12 @@ void sortPlaces(std::vector<Place>& places) {
 
 constexpr std::int64_t kAtOnce = 4096;     // photons that one task prepares
 constexpr std::size_t kPhotonsAhead = 16;  // are asked of the memory
+
+struct MirrorImage {
+  std::uint32_t photon;
+  Vec3 p;
+  Rgb share;  // of the photon's power
+};
 
 /// What one task prepares.
 struct Part {
@@ -120,22 +127,42 @@ Bounds3 reachOf(std::span<const Beam> beams) {
 }
 
 VolumePhotons::VolumePhotons(const Volume& volume, std::span<const Photon> photons,
-                             const Bounds3& reach) {
+                             const VolumePhotonOptions& options) {
   // Along a space-filling curve.
   const Bounds3 bounds = volume.bounds();
   const Vec3 scale = Vec3(1) / max(bounds.diagonal(), Vec3(std::numeric_limits<float>::min()));
+  const PhotonMirror mirror(volume);
   std::vector<Place> order;
+  std::vector<MirrorImage> images;  // counted behind the photons
   order.reserve(photons.size());
+  const auto putAt = [&](const Vec3& p, std::size_t index) {
+    order.push_back({mortonCode((p - bounds.lo) * scale), static_cast<std::uint32_t>(index)});
+  };
   for (std::size_t i = 0; i < photons.size(); ++i) {
-    if (photons[i].isOnSurface()) continue;
-    if (reach.contains(photons[i].p))
-      order.push_back(
-          {mortonCode((photons[i].p - bounds.lo) * scale), static_cast<std::uint32_t>(i)});
+    const Photon& photon = photons[i];
+    if (photon.isOnSurface()) continue;
+    if (options.reach.contains(photon.p))
+      putAt(photon.p, i);
     else
       ++outside_;
+    if (options.mirrorRadius > 0)
+      mirror.forEachImage(photon.p, options.mirrorRadius, [&](const Vec3& p, const Rgb& share) {
+        if (!options.reach.contains(p)) return;
+        putAt(p, photons.size() + images.size());
+        images.push_back({static_cast<std::uint32_t>(i), p, share});
+      });
   }
   sortPlaces(order);
 
+  const auto append = [&](Part& part, std::size_t index, BeamPhoton& to) {
+    if (index < photons.size()) return part.append(volume, photons[index], to);
+    const MirrorImage& image = images[index - photons.size()];
+    Photon photon = photons[image.photon];
+    photon.power *= image.share;
+    if (!part.append(volume, photon, to)) return false;
+    to.p = image.p;
+    return true;
+  };
   // Chunks fill their places in parallel; then black photons, which are rare, leave no gaps.
   photons_.resize(order.size());
   std::vector<Part> parts((order.size() + kAtOnce - 1) / kAtOnce);
@@ -147,9 +174,10 @@ VolumePhotons::VolumePhotons(const Volume& volume, std::span<const Photon> photo
                  for (std::size_t i = first; i < static_cast<std::size_t>(end); ++i) {
                    // In the order of the curve photons stand anywhere in memory.
                    if (i + kPhotonsAhead < order.size())
-                     __builtin_prefetch(&photons[order[i + kPhotonsAhead].photon]);
-                   if (part.append(volume, photons[order[i].photon], photons_[first + part.count]))
-                     ++part.count;
+                     if (const std::size_t ahead = order[i + kPhotonsAhead].photon;
+                         ahead < photons.size())
+                       __builtin_prefetch(&photons[ahead]);
+                   if (append(part, order[i].photon, photons_[first + part.count])) ++part.count;
                  }
                });
   std::size_t count = 0;

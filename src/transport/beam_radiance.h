@@ -17,13 +17,18 @@ inline constexpr Bounds3 kEverywhere{Vec3(-kInfinity), Vec3(kInfinity)};
 /// All points that the beams may contain, rounding included.
 Bounds3 reachOf(std::span<const Beam> beams);
 
+struct VolumePhotonOptions {
+  /// Photons outside are left out: none of the beams can receive them (reachOf).
+  Bounds3 reach = kEverywhere;
+  float mirrorRadius = 0;  ///< of the beams, for PhotonMirror; 0: no mirror images
+};
+
 /// The photons of a pass as beams need them, in an order in which neighbours are near each other.
 class VolumePhotons {
  public:
-  /// Takes the volume photons among the given ones. Those outside of `reach` are left out: none of
-  /// the beams can receive them (reachOf).
+  /// Takes the volume photons among the given ones.
   VolumePhotons(const Volume& volume, std::span<const Photon> photons,
-                const Bounds3& reach = kEverywhere);
+                const VolumePhotonOptions& options = {});
 
   std::span<const BeamPhoton> all() const { return photons_; }
   /// What BeamPhoton::lobesBegin counts in.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "transport/photon_map_integrator.h"
 
+#include "transport/photon_mirror.h"
+
 namespace brume {
 namespace {
 
@@ -17,6 +19,21 @@ PhotonMapIntegrator::PhotonMapIntegrator(const PhotonMapParams& params,
       scene_(*context.scene),
       paths_(scene_, {params.maxbounces, true, params.directvolume}),
       surfaceReach_(kSurfaceReach * 2 * scene_.bounds().radius()) {}
+
+namespace {
+
+/// The largest distance to the k-th neighbour among some photons.
+float largestReach(const PhotonKdTree& tree, std::size_t k) {
+  constexpr std::size_t kAsked = 256;
+  std::vector<Neighbour> found(k);
+  float reach2 = 0;
+  for (std::size_t i = 0; i < tree.size(); i += tree.size() / kAsked + 1)
+    if (tree.nearest(tree.point(i), found) == k)
+      reach2 = std::max(reach2, found.front().distance2());
+  return std::sqrt(reach2);
+}
+
+}  // namespace
 
 void PhotonMapIntegrator::prepare(PrepareContext& context) {
   PhotonMapRequest request;
@@ -36,7 +53,12 @@ void PhotonMapIntegrator::prepare(PrepareContext& context) {
     if (surfaceMap_->isEmpty()) surfaceMap_.reset();
   }
   if (!(wanted & kVolumePhotons).isEmpty()) {
-    volumeMap_.emplace(*scene_.volume(), set.photons, power_);
+    volumeMap_.emplace(*scene_.volume(), set.photons, power_, params_.radius.value_or(0));
+    if (!params_.radius && power_ == VolumePhotonMap::Power::Scattered &&
+        !PhotonMirror(*scene_.volume()).isEmpty()) {
+      const float reach = largestReach(volumeMap_->tree(), static_cast<std::size_t>(params_.nused));
+      volumeMap_.emplace(*scene_.volume(), set.photons, power_, reach);
+    }
     if (volumeMap_->size() > 0) onVolumeMap(*volumeMap_);
   }
 }

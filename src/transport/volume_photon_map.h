@@ -17,8 +17,10 @@ class VolumePhotonMap {
   /// Whether powers are what arrives at a photon, or what is scattered there (times the albedo).
   enum class Power { Arriving, Scattered };
 
-  /// Takes the volume photons among those given; photons without (scattered) power are left out.
-  VolumePhotonMap(const Volume& volume, std::span<const Photon> photons, Power power);
+  /// Takes the volume photons among those given, and, of scattered powers, their mirror images
+  /// (PhotonMirror) for kernels of a radius; photons without (scattered) power are left out.
+  VolumePhotonMap(const Volume& volume, std::span<const Photon> photons, Power power,
+                  float mirrorRadius = 0);
 
   std::size_t size() const { return tree_.size(); }
   const PhotonKdTree& tree() const { return tree_; }

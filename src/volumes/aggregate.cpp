@@ -18,6 +18,10 @@ class Aggregate final : public Volume {
 
   Bounds3 bounds() const override { return bounds_; }
 
+  void appendBoxes(std::vector<MediumBox>& boxes) const override {
+    for (const Volume* v : volumes_) v->appendBoxes(boxes);
+  }
+
   std::optional<Interval> intersect(const Ray& ray) const override {
     std::optional<Interval> hull;
     for (const Volume* v : volumes_)

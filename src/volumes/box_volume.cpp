@@ -54,6 +54,20 @@ BoxVolume::BoxVolume(const VolumeParams& params, const FactoryContext& context)
 
 Bounds3 BoxVolume::bounds() const { return volumeToWorld_.bounds({Vec3(lo_), Vec3(hi_)}); }
 
+void BoxVolume::appendBoxes(std::vector<MediumBox>& boxes) const {
+  if (isFlat_) return;
+  MediumBox box;
+  for (std::size_t face = 0; face < 6; ++face) {
+    const int axis = static_cast<int>(face / 2);
+    const bool isHigh = face % 2 == 1;
+    Vec3 outward(0);
+    outward[axis] = isHigh ? 1.f : -1.f;
+    box.normal[face] = normalize(Vec3d(volumeToWorld_.normal(outward)));
+    box.offset[face] = dot(box.normal[face], Vec3d(volumeToWorld_.point(Vec3(isHigh ? hi_ : lo_))));
+  }
+  boxes.push_back(box);
+}
+
 double BoxVolume::worldIntegral() const {
   if (isFlat_) return 0;
   const glm::dmat3 linear(volumeToWorld_.matrix());

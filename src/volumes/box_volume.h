@@ -34,6 +34,7 @@ class BoxVolume : public Volume {
   BoxVolume(const VolumeParams& params, const FactoryContext& context);
 
   Bounds3 bounds() const final;
+  void appendBoxes(std::vector<MediumBox>& boxes) const final;
   std::optional<Interval> intersect(const Ray& ray) const final;
   MediumCoefficients at(const Vec3& p) const final;
   Rgb majorant() const final;

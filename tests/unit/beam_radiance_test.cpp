@@ -55,7 +55,7 @@ TEST(BeamRadiance, PhotonsOutOfReachAreNotMissed) {
       beams.beams = test::makeBeams(scene, 6);
       beams.owners.resize(beams.beams.size());
       const std::vector<Photon> photons = photonsFor(beams.beams);
-      const VolumePhotons all(*volume, photons), near(*volume, photons, reachOf(beams.beams));
+      const VolumePhotons all(*volume, photons), near(*volume, photons, {reachOf(beams.beams)});
       EXPECT_EQ(all.outsideCount(), 0u);
       EXPECT_GT(near.outsideCount(), 10u);
       const LinearBeams lookup(beams.beams);
@@ -78,7 +78,7 @@ TEST(BeamRadiance, WithoutBeamsNoPhotonIsKept) {
   const std::vector<Photon> photons = photonsFor(test::makeBeams({}, 1));
   Beam empty;
   empty.t0 = 1;
-  const VolumePhotons kept(*volume, photons, reachOf(std::array{empty}));
+  const VolumePhotons kept(*volume, photons, {reachOf(std::array{empty})});
   EXPECT_TRUE(kept.all().empty());
   EXPECT_EQ(kept.outsideCount(), photons.size());
 }

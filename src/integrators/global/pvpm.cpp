@@ -329,7 +329,10 @@ bool Pvpm::renderPass(const PassContext& context, const std::function<void(doubl
   if (beamRadius_) {
     Bounds3 reach = reachOf(camera.primary.beams);
     reach.extend(reachOf(camera.secondary.beams));
-    const VolumePhotons inMedium(*scene_.volume(), photons, reach);
+    const float largest = options.pixelRadii.empty() ? options.beamRadius
+                                                     : *std::max_element(options.pixelRadii.begin(),
+                                                                         options.pixelRadii.end());
+    const VolumePhotons inMedium(*scene_.volume(), photons, {reach, largest});
     if (context.pass == 0 && inMedium.outsideCount() > 0)
       context.log.verbose(fmt::format("pvpm: {} photons of the first pass lie outside of all beams",
                                       inMedium.outsideCount()));
