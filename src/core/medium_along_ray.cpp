@@ -22,6 +22,7 @@ void MediumAlongRay::assign(const Volume& volume, const Ray& ray, Interval range
   range_ = range;
   maxAlbedo_ = Rgb();
   isGrey_ = true;
+  isTracked_ = false;
   pieces_.clear();
   indices_.clear();
   spans_.clear();
@@ -40,7 +41,7 @@ void MediumAlongRay::assign(const Volume& volume, const Ray& ray, Interval range
     spans_.resize(pieces_.size());
     for (std::uint32_t i = 0; i < pieces_.size(); ++i) {
       indices_[i] = i;
-      spans_[i] = {pieces_[i].t0, pieces_[i].t1, i, 1, Vec3d(0)};
+      spans_[i] = {pieces_[i].t0, pieces_[i].t1, i, 1, Vec3d(0), Vec3d(0)};
     }
   }
   findMaxAlbedo();
@@ -53,6 +54,7 @@ void MediumAlongRay::findMaxAlbedo() {
   for (const MediumPiece& p : pieces_) {
     if (p.unit == last) continue;
     last = p.unit;
+    isTracked_ |= p.tracked != nullptr;
     const Rgb sigma_t = last->sigma_t();
     isGrey_ &= sigma_t.r == sigma_t.g && sigma_t.g == sigma_t.b;
     for (int c = 0; c < 3; ++c)
@@ -93,7 +95,7 @@ void MediumAlongRay::sweepOverlaps() {
     }
     if (active_.empty()) continue;
     spans_.push_back({a, b, static_cast<std::uint32_t>(indices_.size()),
-                      static_cast<std::uint32_t>(active_.size()), Vec3d(0)});
+                      static_cast<std::uint32_t>(active_.size()), Vec3d(0), Vec3d(0)});
     indices_.insert(indices_.end(), active_.begin(), active_.end());
   }
 }
@@ -101,8 +103,18 @@ void MediumAlongRay::sweepOverlaps() {
 void MediumAlongRay::accumulateDepths() {
   for (Span& s : spans_) {
     s.depth = total_;
-    total_ += depthBetween(s, s.t0, s.t1);
+    s.jump = isTracked_ ? jumpAtStart(s) : Vec3d(0);
+    total_ += s.jump + depthBetween(s, s.t0, s.t1);
   }
+}
+
+Vec3d MediumAlongRay::jumpAtStart(const Span& s) const {
+  Vec3d sum(0);
+  for (std::uint32_t i = 0; i < s.count; ++i) {
+    const MediumPiece& p = piece(s, i);
+    if (p.tracked && p.t0 == s.t0) sum += Vec3d(p.c[0], p.c[1], p.c[2]);
+  }
+  return sum;
 }
 
 Vec3d MediumAlongRay::depthBetween(const Span& s, double a, double b) const {
@@ -139,7 +151,8 @@ Vec3d MediumAlongRay::depthAt(double t) const {
   if (it == spans_.begin()) return Vec3d(0);
   --it;
   if (t >= it->t1) return it + 1 == spans_.end() ? total_ : (it + 1)->depth;
-  return it->depth + depthBetween(*it, it->t0, t);
+  if (t == it->t0) return it->depth;
+  return it->depth + it->jump + depthBetween(*it, it->t0, t);
 }
 
 MediumCoefficients MediumAlongRay::at(float t) const {
@@ -155,7 +168,7 @@ MediumCoefficients MediumAlongRay::at(float t) const {
   const double inside = std::clamp(double{t}, it->t0, it->t1);
   for (std::uint32_t i = 0; i < it->count; ++i) {
     const MediumPiece& p = piece(*it, i);
-    sum += *p.unit * static_cast<float>(p.density(inside));
+    sum += *p.unit * static_cast<float>(density(p, inside));
   }
   return sum;
 }
@@ -175,7 +188,8 @@ std::optional<float> MediumAlongRay::invert(int channel, double depth) const {
       lo = middle + 1;
   }
   const Span& s = spans_[lo];
-  const double s0 = s.depth[channel];
+  const double s0 = s.depth[channel] + s.jump[channel];
+  if (depth <= s0) return std::clamp(static_cast<float>(s.t0), range_.t0, range_.t1);
   const double t =
       s.t0 + invertMonotone([&](double x) { return depthBetween(s, channel, s.t0, s.t0 + x); },
                             [&](double x) { return extinction(s, channel, s.t0 + x); }, s.t1 - s.t0,
@@ -197,7 +211,7 @@ Rgb MediumAlongRay::emission() const {
     const double density = p.integral(s.t0, s.t1);
     const Rgb sigma_t = p.unit->sigma_t();
     for (int c = 0; c < 3; ++c)
-      sum[c] += std::exp(-s.depth[c]) * double{p.unit->Le[c]} * density *
+      sum[c] += std::exp(-s.depth[c] - s.jump[c]) * double{p.unit->Le[c]} * density *
                 exponentialMean(double{sigma_t[c]} * density);
   }
   return toFloat(sum);
@@ -246,14 +260,15 @@ Vec3d MediumAlongRay::emissionOfOverlap(const Span& s) const {
   std::array<Part, 128> stack;
   std::size_t top = 0;
   stack[top++] = {s.t0, s.t1, 0};
-  Vec3d depth = s.depth, sum(0);
+  const Vec3d start = s.depth + s.jump;
+  Vec3d depth = start, sum(0);
   while (top > 0) {
     const Part part = stack[--top];
     const Vec3d delta = depthBetween(s, part.a, part.b);
     bool split = false;
     bool visible = false;
     for (int c = 0; c < 3; ++c) {
-      const bool reached = depth[c] - s.depth[c] < kOpaqueDepth;
+      const bool reached = depth[c] - start[c] < kOpaqueDepth;
       split |= reached && delta[c] > kGaussInterval;
       visible |= reached;
     }

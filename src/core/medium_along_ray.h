@@ -57,6 +57,9 @@ class MediumAlongRay {
   bool isSmooth() const {
     return pieces_.size() == 1 && pieces_.front().form == MediumPiece::Form::Exponential;
   }
+  /// Some of the media are tracked (Volume::isTracked): depths are a realisation, drawn once for
+  /// this object; at a tentative collision they are those in front of it.
+  bool isTracked() const { return isTracked_; }
   /// The range without empty ends, rounded outwards; empty without medium.
   Interval occupied() const;
   const Ray& ray() const { return ray_; }
@@ -66,6 +69,7 @@ class MediumAlongRay {
     double t0, t1;
     std::uint32_t first, count;  ///< of the active pieces: see piece()
     Vec3d depth;                 ///< optical depth at t0
+    Vec3d jump;                  ///< that of tentative collisions at t0, which lie behind it
   };
   std::span<const Span> spans() const { return spans_; }
   /// Active piece i of a span.
@@ -80,6 +84,10 @@ class MediumAlongRay {
   void sweepOverlaps();
   void findMaxAlbedo();
   void accumulateDepths();
+  double density(const MediumPiece& p, double t) const {
+    return p.tracked ? p.tracked->densityAt(ray_, t) : p.density(t);
+  }
+  Vec3d jumpAtStart(const Span& s) const;
   Vec3d depthBetween(const Span& s, double a, double b) const;
   double extinction(const Span& s, int channel, double t) const;
   double depthBetween(const Span& s, int channel, double a, double b) const;
@@ -89,7 +97,7 @@ class MediumAlongRay {
   Ray ray_;
   Interval range_;
   Rgb maxAlbedo_;
-  bool isGrey_ = true;
+  bool isGrey_ = true, isTracked_ = false;
   std::vector<MediumPiece> pieces_;
   std::vector<std::uint32_t> indices_;
   std::vector<Span> spans_;

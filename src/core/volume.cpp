@@ -17,12 +17,14 @@ double evaluateBernstein(const std::array<double, 4>& c, double x) {
 }  // namespace
 
 double MediumPiece::density(double t) const {
+  if (form == Form::Tracked) return 0;
   if (form == Form::Exponential)
     return c[1] == 0 ? c[0] : c[0] * std::exp(-c[1] * (t - (c[1] > 0 ? t0 : t1)));
   return evaluateBernstein(c, std::clamp((t - t0) / (t1 - t0), 0.0, 1.0));
 }
 
 double MediumPiece::integral(double a, double b) const {
+  if (form == Form::Tracked) return 0;
   if (form == Form::Exponential)
     return density(c[1] > 0 ? a : b) * (b - a) * exponentialMean(std::abs(c[1]) * (b - a));
   // Two Gauss points integrate a cubic exactly, with positive weights.

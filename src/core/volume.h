@@ -53,17 +53,24 @@ struct PhaseLobe {
   Rgb weight{1.f};  ///< in each channel
 };
 
-/// A stretch of a ray on which a medium is `unit` times one scalar density known in closed form.
+class Volume;
+
+/// A stretch of a ray on which a medium is `unit` times one scalar density: known in closed form,
+/// or tracked.
 struct MediumPiece {
   enum class Form {
     Exponential,  ///< c[0] exp(-k (t - e)), k = c[1], e the denser end: t0 for k >= 0, else t1
-    Cubic  ///< sum of c[i] times the Bernstein polynomial i of degree 3 over [t0, t1], c >= 0
+    Cubic,   ///< sum of c[i] times the Bernstein polynomial i of degree 3 over [t0, t1], c >= 0
+    Tracked  ///< nothing but one tentative collision at t0, see Volume::isTracked(): c[i] is the
+             ///< optical depth of channel i behind it; the density is Volume::densityAt()
   };
   Form form = Form::Exponential;
   double t0 = 0, t1 = 0;
   std::array<double, 4> c{};
   const MediumCoefficients* unit = nullptr;
+  const Volume* tracked = nullptr;  ///< of this form: where the density comes from
 
+  /// Both 0 for tracked pieces, of which only the tentative collision counts.
   double density(double t) const;
   /// Int_a^b density dt for t0 <= a <= b <= t1, exact to rounding and never negative.
   double integral(double a, double b) const;
@@ -132,6 +139,15 @@ class Volume {
   virtual bool isClosedForm() const = 0;
   virtual bool isEmissive() const = 0;
   virtual bool isScattering() const = 0;
+  /// The density has no integral in closed form. What stands for it along a ray is then a Poisson
+  /// process of tentative collisions t_i with a majorant mu(t) for its rate, drawn anew for every
+  /// ray: Tr(t) is estimated by prod_{t_i < t} (1 - sigma_t(t_i) / mu(t_i)), without bias (ratio
+  /// tracking), opticalDepth() is minus its logarithm, and where a free flight of one depth ends by
+  /// that estimate it ends by delta tracking. Unbiased: all that is linear in Tr(t), and all
+  /// decisions that know nothing of what the process does behind t.
+  virtual bool isTracked() const { return false; }
+  /// Density of a tracked medium at ray(t).
+  virtual double densityAt(const Ray&, double) const { return 0; }
   /// Set for media that special kernels can take.
   virtual std::optional<UniformMedium> uniform() const { return std::nullopt; }
   /// g of the one Henyey-Greenstein phase function of all points and channels (0: isotropic); none:

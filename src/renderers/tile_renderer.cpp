@@ -8,6 +8,7 @@
 
 #include "core/parallel.h"
 #include "core/rng.h"
+#include "core/tracking_key.h"
 #include "renderers/first_hit.h"
 
 namespace brume {
@@ -126,13 +127,14 @@ void TileRenderer::renderTile(Tile& tile, const Run& run) const {
 void TileRenderer::renderPixel(Vec2i pixel, PixelSampler& pixelSampler, Tile& tile,
                                const Run& run) const {
   const int perRound = pixelSampler.startPixel(pixel);
-  if (parts_.sampler.isAdaptive()) return refinePixel(perRound, pixelSampler, tile);
+  if (parts_.sampler.isAdaptive()) return refinePixel(pixel, perRound, pixelSampler, tile);
   // This pixel's share of the range, which counts samples of an average pixel.
   const std::int64_t average = parts_.sampler.samplesPerPixel();
   const auto first = static_cast<int>(run.range.first * perRound / average);
   const auto end = static_cast<int>(run.range.end * perRound / average);
   RenderContext context{pixelSampler, tile.stats};
   for (int i = first; i < end; ++i) {
+    const TrackingKeyScope key(hashIntegers(parts_.seed, pixel.x, pixel.y, i));
     const CameraSample sample = pixelSampler.startSample(i);
     if (!hasLayers()) {
       tile.film.addSample(sample.raster, sampleRadiance(sample, context, nullptr));
@@ -144,7 +146,8 @@ void TileRenderer::renderPixel(Vec2i pixel, PixelSampler& pixelSampler, Tile& ti
   }
 }
 
-void TileRenderer::refinePixel(int count, PixelSampler& pixelSampler, Tile& tile) const {
+void TileRenderer::refinePixel(Vec2i pixel, int count, PixelSampler& pixelSampler,
+                               Tile& tile) const {
   RenderContext context{pixelSampler, tile.stats};
   std::vector<Vec2> rasters;
   std::vector<Rgb> values;
@@ -154,6 +157,7 @@ void TileRenderer::refinePixel(int count, PixelSampler& pixelSampler, Tile& tile
     values.clear();
     layers.clear();
     for (int i = 0; i < count; ++i) {
+      const TrackingKeyScope key(hashIntegers(parts_.seed, pixel.x, pixel.y, i));
       const CameraSample sample = pixelSampler.startSample(i);
       rasters.push_back(sample.raster);
       if (hasLayers()) layers.emplace_back();

@@ -47,7 +47,7 @@ class TileRenderer final : public ImageRenderer {
   Bounds2i tileSamples(std::int64_t tile) const;
   void renderTile(Tile& tile, const Run& run) const;
   void renderPixel(Vec2i pixel, PixelSampler& pixelSampler, Tile& tile, const Run& run) const;
-  void refinePixel(int count, PixelSampler& pixelSampler, Tile& tile) const;
+  void refinePixel(Vec2i pixel, int count, PixelSampler& pixelSampler, Tile& tile) const;
   Rgb sampleRadiance(const CameraSample& sample, RenderContext& context, LayerSample* layers) const;
   bool hasLayers() const { return parts_.scene && parts_.film.settings().withLayers; }
 

@@ -47,7 +47,8 @@ class DepthTables::Filler {
          std::array<std::vector<DepthSegment>, 3>& curves)
       : medium_(medium), t0_(t0), curves_(curves) {
     for (auto& curve : curves_) curve.clear();
-    if (const MediumCoefficients* unit = sharedUnit(medium)) {
+    const MediumCoefficients* const unit = medium.isTracked() ? nullptr : sharedUnit(medium);
+    if (unit != nullptr) {
       const Rgb sigma_t = unit->sigma_t();
       table.sigma = {sigma_t.r, sigma_t.g, sigma_t.b};
       table.isGrey = medium.isGrey();
@@ -69,6 +70,8 @@ class DepthTables::Filler {
   }
 
   void addSpan(const MediumAlongRay::Span& span) {
+    if (medium_.isTracked())
+      for (std::size_t k = 0; k < count_; ++k) depth_[k] += span.jump[static_cast<int>(k)];
     const MediumPiece& first = medium_.piece(span, 0);
     if (span.count == 1 && first.form == MediumPiece::Form::Cubic) {
       const Cubic cubic = fromBernstein(first.c);

@@ -141,6 +141,7 @@ ScatteringDistanceSampler::ScatteringDistanceSampler(const MediumAlongRay& mediu
 void ScatteringDistanceSampler::chooseTechniques(const std::optional<Vec3>& lightPosition,
                                                  float lightExtent) {
   if (lightPosition) equiangular_.emplace(medium_.ray(), range_, *lightPosition, lightExtent);
+  if (medium_.isTracked()) return;  // by angle: what else there is depends on the process
 
   // How much sigma_s Tr varies from end to end, in the worst channel.
   double variation = 1;

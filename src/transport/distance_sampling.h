@@ -112,14 +112,16 @@ RulePoint evenRule(int i, int n, float offset, Ends ends);
 ///   sigma_s Tr over channels, so that t grows with u.
 /// By angle alone where the medium is smooth and sigma_s Tr varies by no more than a factor of 50
 /// along the ray, else by collisions alone where 1/distance^2 varies by no more than 5, else both
-/// with equal shares c = 1/2. The density is
-/// that of the mixture (balance heuristic, Veach 1997)
+/// with equal shares c = 1/2; in tracked media by angle alone. The density is that of the mixture
+/// (balance heuristic, Veach 1997)
 ///   pdf = c p_angle + (1 - c) p_collisions
 class ScatteringDistanceSampler {
  public:
   ScatteringDistanceSampler(const MediumAlongRay& medium, Interval range,
                             const std::optional<Vec3>& lightPosition, float lightExtent = 0);
-  bool isEmpty() const { return transmittance_.isEmpty(); }
+  bool isEmpty() const {
+    return medium_.isTracked() ? medium_.maxAlbedo().isBlack() : transmittance_.isEmpty();
+  }
 
   enum class Technique { Angle, Collisions };
   float share(Technique t) const { return t == Technique::Angle ? angleShare_ : 1 - angleShare_; }

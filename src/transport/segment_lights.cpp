@@ -71,6 +71,7 @@ SegmentLights::SegmentLights(const Scene& scene, double evenShare)
 
 bool SegmentLights::mayHelp(const MediumAlongRay& medium, const Rgb& channels) const {
   if (lights_.isEmpty()) return false;
+  if (medium.isTracked()) return true;  // whose depths are random
   const View view(medium, center_);
   const double nearest = view.distance - radius_;
   if (!(nearest > 0)) return true;
@@ -81,6 +82,7 @@ bool SegmentLights::mayHelp(const MediumAlongRay& medium, const Rgb& channels) c
 
 bool SegmentLights::looksAt(const MediumAlongRay& medium, const Rgb& channels,
                             const Vec3& p) const {
+  if (medium.isTracked()) return true;
   const View view(medium, Vec3d(p));
   const double sigma = drawn(channels, medium.opticalDepth()) / view.length;
   if (!(sigma > 0)) return false;

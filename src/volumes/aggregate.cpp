@@ -86,6 +86,10 @@ class Aggregate final : public Volume {
     return volumes_.size() <= 4 && std::all_of(volumes_.begin(), volumes_.end(),
                                                [](const Volume* v) { return v->isClosedForm(); });
   }
+  bool isTracked() const override {
+    return std::any_of(volumes_.begin(), volumes_.end(),
+                       [](const Volume* v) { return v->isTracked(); });
+  }
   bool isEmissive() const override {
     return std::any_of(volumes_.begin(), volumes_.end(),
                        [](const Volume* v) { return v->isEmissive(); });

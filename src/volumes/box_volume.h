@@ -38,9 +38,9 @@ class BoxVolume : public Volume {
   std::optional<Interval> intersect(const Ray& ray) const final;
   MediumCoefficients at(const Vec3& p) const final;
   Rgb majorant() const final;
-  Rgb opticalDepth(const Ray& ray, Interval range) const final;
+  Rgb opticalDepth(const Ray& ray, Interval range) const override;
   std::optional<float> invertOpticalDepth(const Ray& ray, Interval range, int channel,
-                                          float depth) const final;
+                                          float depth) const override;
   Rgb emission(const Ray& ray, Interval range) const final;
   Rgb totalEmission() const final {
     return isEmissive() ? unit_.Le * static_cast<float>(worldIntegral()) : Rgb();
@@ -48,7 +48,8 @@ class BoxVolume : public Volume {
   Vec3 sampleEmission(Rng& rng) const final {
     return volumeToWorld_.point(Vec3(sampleDensity(rng)));
   }
-  void appendPieces(const Ray& ray, Interval range, std::vector<MediumPiece>& pieces) const final;
+  void appendPieces(const Ray& ray, Interval range,
+                    std::vector<MediumPiece>& pieces) const override;
   bool isClosedForm() const override { return true; }
   bool isEmissive() const final { return !unit_.Le.isBlack() && maxDensity() > 0; }
   bool isScattering() const final { return !unit_.sigma_s.isBlack() && maxDensity() > 0; }
@@ -88,12 +89,14 @@ class BoxVolume : public Volume {
 
   const Vec3d& boxLo() const { return lo_; }
   const Vec3d& boxHi() const { return hi_; }
+  /// At density 1.
+  const MediumCoefficients& unit() const { return unit_; }
+  LocalRay toLocal(const Ray& ray) const;
+  std::optional<IntervalD> clip(const LocalRay& ray, Interval range) const;
 
  private:
   /// Int density over the region of render space.
   double worldIntegral() const;
-  LocalRay toLocal(const Ray& ray) const;
-  std::optional<IntervalD> clip(const LocalRay& ray, Interval range) const;
 
   Transform volumeToWorld_;
   Vec3d lo_, hi_;

@@ -61,11 +61,6 @@ class WriteTable : public testing::Environment {
            "*Noise*: its standard error; where the same paths are followed it is far below that of "
            "either image. *Allowed*: beyond four times the\nnoise. *Faults*: radiances that were "
            "NaN, infinite or negative. Integrator: volpath.\n\n"
-           "Does not hold: an area light exactly in the plane of another surface. Rays that meet "
-           "both take "
-           "either, and what they miss of the light is lost:\nthe medium under such a panel was 8 "
-           "% too dark "
-           "(standard error 2 %). Put lights a little off the wall.\n\n"
            "| group | case | difference | noise | allowed | faults | the allowed is for |\n"
            "| --- | --- | --- | --- | --- | --- | --- |\n";
     for (const auto& [position, row] : measuredRows()) out << row;

@@ -96,7 +96,13 @@ class Pvpm final : public PassGlobalIntegrator {
         quick_(context.quick),
         scene_(*context.scene),
         wanted_(showableClasses(scene_, {1, 1, !params.directvolume, {}})),
-        paths_(scene_, {params.maxbounces, true, params.directvolume}) {}
+        paths_(scene_, {params.maxbounces, true, params.directvolume}) {
+    if (params.fixedbeams && scene_.volume() && scene_.volume()->isTracked())
+      throw SceneError(
+          context.where,
+          "\"fixedbeams\" would see the same tentative collisions of a tracked medium in "
+          "every pass: leave it off");
+  }
 
   void prepare(PrepareContext& context) override {
     tracer_ = std::make_unique<PhotonTracer>(
