@@ -42,9 +42,13 @@ float BallSearch::radius2OfNearest(const PhotonKdTree& tree, const Vec3& p, std:
   BRUME_CHECK(k > 0);
   const float limit2 = sqr(maxRadius);
   float guess2 = lastRadius2_ * kNextRadius2;
-  for (int i = 0; i < kGuesses && guess2 > 0 && guess2 < limit2; ++i, guess2 *= kGrowth2) {
-    if (!collect(tree, p, guess2, kMostCandidates * k)) break;
-    if (size_ < k) continue;
+  for (int i = 0; i < kGuesses && guess2 > 0; ++i, guess2 *= kGrowth2) {
+    const bool isLimit = guess2 >= limit2;
+    if (!collect(tree, p, isLimit ? limit2 : guess2, kMostCandidates * k)) break;
+    if (size_ < k) {
+      if (isLimit) return lastRadius2_ = limit2;
+      continue;
+    }
     ranked_.assign(distances2_.data(), distances2_.data() + size_);
     const auto kth = ranked_.begin() + static_cast<std::ptrdiff_t>(k - 1);
     std::nth_element(ranked_.begin(), kth, ranked_.end());

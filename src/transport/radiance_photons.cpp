@@ -58,8 +58,12 @@ std::optional<SurfaceInteraction> findSurface(const Scene& scene, const Photon& 
 }  // namespace
 
 std::vector<RadiancePhotons::Site> RadiancePhotons::evaluate(
-    const Scene& scene, std::span<const Photon> photons,
+    const Scene& scene, std::span<const Photon> given,
     std::span<const SurfacePhotonMap* const> maps, const RadianceLookup& lookup, Stats& stats) {
+  // Neighbours one after another: each lookup is near the last one.
+  const PhotonKdTree tree(
+      StridedPoints(given.empty() ? nullptr : &given.front().p, given.size(), sizeof(Photon)));
+  const std::vector<Photon> photons = inOrder(given, tree.order());
   struct Chunk {
     std::vector<Site> sites;
     Stats stats;

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "transport/surface_photon_map.h"
 
+#include <array>
+
+#include "accelerators/photon_ball.h"
 #include "transport/kernels.h"
 #include "transport/surface_share.h"
 
@@ -11,6 +14,14 @@ constexpr float kMaxTilt = 0.5f;     // cosine between the normals
 constexpr float kMaxHeight = 0.25f;  // over the tangent plane, in radii
 constexpr float kAsked = 0.125f;     // how often the share is asked for without a sign of an edge
 constexpr float kWhole = 0.9999f;    // from this share of the disc on no edge hides photons
+
+/// A thread's search in a map. Maps that are asked in turn have one each, most likely, so that each
+/// goes on from its own last radius.
+BallSearch& searchOf(const void* map) {
+  constexpr std::size_t kSearches = 8;
+  thread_local std::array<BallSearch, kSearches> searches;
+  return searches[reinterpret_cast<std::uintptr_t>(map) / sizeof(SurfacePhotonMap) % kSearches];
+}
 
 std::vector<Photon> onSurfaces(std::span<const Photon> photons) {
   std::vector<Photon> found;
@@ -86,15 +97,15 @@ struct SurfacePhotonMap::Disc {
 template <class LightOf>
 Rgb SurfacePhotonMap::ofNearest(const SurfaceInteraction& at, std::size_t k, float maxRadius,
                                 const LightOf& lightOf) const {
-  thread_local std::vector<Neighbour> found;  // reused, so that its memory is
-  found.resize(k);
-  const std::size_t n = tree_.nearest(at.p, found, maxRadius);
-  const bool isFull = n == k;
-  const float radius2 = isFull ? found.front().distance2() : sqr(maxRadius);
-  if (n == 0 || !(radius2 > 0) || !std::isfinite(radius2)) return {};
+  // With fewer than k photons it is the reach that must set the radius.
+  if (tree_.size() < k && !std::isfinite(sqr(maxRadius))) return {};
+  BallSearch& search = searchOf(this);
+  const float radius2 = search.radius2OfNearest(tree_, at.p, k, maxRadius);
+  if (!(radius2 > 0) || !std::isfinite(radius2)) return {};
   const Disc<LightOf> disc{*this, at, lightOf, radius2};
   return disc.sum([&](auto&& use) {
-    for (std::size_t i = isFull ? 1 : 0; i < n; ++i) use(found[i].index(), found[i].distance2());
+    for (std::size_t i = 0; i < search.size(); ++i)
+      if (search.distances2()[i] < radius2) use(search.indices()[i], search.distances2()[i]);
   });
 }
 
