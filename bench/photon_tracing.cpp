@@ -130,7 +130,8 @@ void measure(const std::string& file, std::uint64_t paths) {
     const RenderJob job(std::move(description), RenderSettings{}, log);
     const Scene& scene = job.scene();
     PhotonRequest request;
-    request.wanted = showableClasses(scene, {1, 1, false, {}});  // of bre and vpm, as they are by default
+    request.wanted =
+        showableClasses(scene, {1, 1, false, {}});  // of bre and vpm, as they are by default
     const PhotonTracer tracer(scene, request);
     PathsPerClass perClass;
     perClass.fill(paths);
