@@ -56,7 +56,8 @@ def reach(curve, target):
 def targets_of(curves, baseline, most):
     """Errors 1, 0.3, 0.1, ... that a curve passes after its first point; those of the baseline and below."""
     def passed(curve):
-        first, least = curve[0][1], min(error for _, error in curve)
+        first = curve[0][1]
+        least = min((error for _, error in curve if error > 0), default=first)  # below: the reference's noise
         ladder = [digit * 10.0 ** e for e in range(3, -13, -1) for digit in (3, 1)]
         return [t for t in ladder if least <= t < first]
     everyone = sorted({t for curve in curves.values() for t in passed(curve)}, reverse=True)
@@ -94,11 +95,12 @@ def scene_table(curves, baseline, targets, time_name, error_name):
 
 
 def summary_table(scenes, baseline, methods, error_name):
-    """Ratios in front: each scene at the smallest error that the baseline reaches."""
+    """Ratios in front: each scene at the smallest error that the baseline and another method reach."""
     rows = [f"| scene | {error_name} | " + " | ".join(f"{baseline} / {m}" for m in methods) + " |",
             "|---|---|" + "---|" * len(methods)]
     for name, curves, targets in scenes:
-        reached = [t for t in targets if baseline in curves and reach(curves[baseline], t) is not None]
+        reached = [t for t in targets if baseline in curves and reach(curves[baseline], t) is not None
+                   and any(m in curves and reach(curves[m], t) is not None for m in methods)]
         if not reached:
             rows.append(f"| {name} | | " + " | ".join("" for _ in methods) + " |")
             continue
@@ -172,7 +174,7 @@ def markdown(results, time, error, most):
             details += ["", f"**{scene['name']}**: nothing was measured."]
             continue
         targets = targets_of(curves, baseline, most)
-        scenes.append((scene["name"], curves, targets))
+        scenes.append((scene["name"], curves, targets_of(curves, baseline, 99)))
         width, height = scene["resolution"]
         noise = (f"the reference's own relMSE of {short(scene['reference noise'])} is subtracted"
                  if scene["reference noise is known"] else "the reference's noise is not known")
