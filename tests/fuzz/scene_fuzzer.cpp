@@ -2,6 +2,7 @@
 // Any bytes as a scene file: parsed with all plugins of the world block made. What may come out is
 // frames or a SceneError, nothing else.
 #include <cstdlib>
+#include <filesystem>
 #include <string>
 #include <string_view>
 
@@ -13,7 +14,7 @@ namespace {
 /// Relative names lead into this folder, which stays empty.
 const std::string& emptyFolder() {
   static const std::string folder = [] {
-    std::string name = "/tmp/brume-fuzz-XXXXXX";
+    std::string name = (std::filesystem::temp_directory_path() / "brume-fuzz-XXXXXX").string();
     if (!mkdtemp(name.data())) std::abort();
     return name;
   }();

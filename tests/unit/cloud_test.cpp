@@ -237,7 +237,8 @@ TEST(Cloud, EveryMethodShowsWhatItShowsInAGrid) {
            {"VolumeIntegrator \"single\"", 2},
            {"GlobalIntegrator \"bre\" \"integer photons\" 3000", 1},
            {"GlobalIntegrator \"vpm\" \"integer photons\" 3000", 1},
-           {"GlobalIntegrator \"pvpm\" \"integer photonsperpass\" 12000 \"integer passes\" 1", 1}}) {
+           {"GlobalIntegrator \"pvpm\" \"integer photonsperpass\" 12000 \"integer passes\" 1",
+            1}}) {
     const Estimate cloud = render(c.method, light + cloudText(), c.samples),
                    baked = render(c.method, light + grid, c.samples);
     // Trilinear interpolation between voxels of 1/36 of a feature: a few tenths of a per cent.
