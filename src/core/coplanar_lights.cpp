@@ -107,7 +107,7 @@ std::optional<CoplanarLights::Found> CoplanarLights::at(const Ray& ray, float t,
                                                         float slack) const {
   const float from = std::max(t - slack, 0.f);
   const Vec3d start = Vec3d(ray.o) + Vec3d(ray.d) * double{from};
-  const Ray around(Vec3(start), ray.d, t + slack - from, ray.time);
+  const Ray around{Vec3(start), ray.d, t + slack - from, ray.time};
   const auto hit = accelerator_->intersect(around);
   if (!hit) return std::nullopt;
   return Found{around, *hit};
