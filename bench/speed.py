@@ -133,7 +133,7 @@ def measure_embree(folder, scenes, samples):
         output = subprocess.run(
             [common.built("brume_embree_share"), "--spp", str(samples), scene],
             cwd=folder, check=True, stdout=subprocess.PIPE, text=True).stdout
-        results[name] = json.loads(output.strip().splitlines()[-1])
+        results[name] = dict(json.loads(output.strip().splitlines()[-1]), scene=scene.name)
     return results
 
 
