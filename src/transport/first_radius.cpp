@@ -24,10 +24,10 @@ constexpr double kMostInPilot = 1000;    // photons of a half that the ladder be
 constexpr double kLargest = 0.1;         // of the media's diagonal
 constexpr double kDefault = 0.01;        // of the scene's diagonal
 constexpr double kPairsPerSegment = 50;  // of photons and beams, in the time of a path segment
-constexpr double kMayHide = 2;           // standard errors
-constexpr double kStandsOut = 4;         // standard errors
-constexpr std::size_t kNearestPhotons = 64;
-constexpr std::size_t kMaxPhotons = 65536;  // that are looked at
+constexpr double kMayHide = 2;    // standard errors of a blur that does not stand out, at most
+constexpr double kStandsOut = 4;  // standard errors of one that does, at least
+constexpr std::size_t kNearestPhotons = 64;  // around a point: where the surface ladder begins
+constexpr std::size_t kMaxPhotons = 65536;   // that are looked at
 
 /// The light of one half of the photons in each probed pixel, for one step of the ladder.
 using PixelLight = std::vector<Rgb>;

@@ -56,6 +56,7 @@ void PhotonMapIntegrator::prepare(PrepareContext& context) {
     volumeMap_.emplace(*scene_.volume(), set.photons, power_, params_.radius.value_or(0));
     if (!params_.radius && power_ == VolumePhotonMap::Power::Scattered &&
         !PhotonMirror(*scene_.volume()).isEmpty()) {
+      // How far images must reach is known from the map without them.
       const float reach = largestReach(volumeMap_->tree(), static_cast<std::size_t>(params_.nused));
       volumeMap_.emplace(*scene_.volume(), set.photons, power_, reach);
     }

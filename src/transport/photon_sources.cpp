@@ -21,11 +21,11 @@ bool meets(const Ball& ball, const LightEmission& emission) {
   return distance2 <= radius2 || (along > 0 && distance2 - along * along <= radius2);
 }
 
+}  // namespace
+
 float largestChannel(const Rgb& power) {
   return std::max(std::abs(power.r), std::max(std::abs(power.g), std::abs(power.b)));
 }
-
-}  // namespace
 
 PhotonSources::PhotonSources(const Scene& scene, const Options& options) : volume_(scene.volume()) {
   makeBalls(scene, options.media);

@@ -12,6 +12,9 @@
 
 namespace brume {
 
+/// The largest of the channels' absolute values: what roulette goes by.
+float largestChannel(const Rgb& power);
+
 /// The first ray of a light path.
 struct PhotonStart {
   Vec3 o{0}, d{0};          ///< d: unit, the way the light travels

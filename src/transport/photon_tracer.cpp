@@ -49,10 +49,6 @@ PhotonClass volumeClass(Stage stage) {
                                     : PhotonClass::VolumeMultiple;
 }
 
-float largest(const Rgb& power) {
-  return std::max(std::abs(power.r), std::max(std::abs(power.g), std::abs(power.b)));
-}
-
 }  // namespace
 
 struct PhotonTracer::Path {
@@ -65,7 +61,7 @@ struct PhotonTracer::Path {
   /// Roulette: goes on with `next`, the expected power, or ends. The survivors have the usual power
   /// at least.
   bool survives(const Rgb& next, float u) {
-    float survival = std::min(1.f, largest(next) / usualPower);
+    float survival = std::min(1.f, largestChannel(next) / usualPower);
     if (scatterings >= kLongPath) survival = std::min(survival, kLongPathSurvival);
     if (!(survival > 0) || u >= survival) return false;
     power = next / survival;
@@ -190,7 +186,7 @@ void PhotonTracer::tracePath(PathRandom random, PhotonClasses wanted, std::vecto
     const Vec2 u = random.get2D();
     const auto [hit, flight] = fly(path, medium, u, stats);
     path.power *= flight.weight;
-    if (!(largest(path.power) > 0)) return;
+    if (!(largestChannel(path.power) > 0)) return;
 
     const bool mayScatter = !request_.maxDepth || path.scatterings < *request_.maxDepth;
     if (flight.t) {
