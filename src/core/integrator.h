@@ -142,6 +142,9 @@ class PassGlobalIntegrator : public GlobalIntegrator {
   /// `stop` was set meanwhile. `onShare` is told the share of the pass that is done.
   virtual bool renderPass(const PassContext& context,
                           const std::function<void(double share)>& onShare) = 0;
+  /// Squared relative error of the mean of all passes that another pass would repeat, as far as the
+  /// passes tell: the film's variance cannot see it.
+  virtual double squaredBlur() const { return 0; }
 };
 
 }  // namespace brume

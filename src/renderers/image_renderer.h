@@ -26,6 +26,8 @@ class ImageRenderer {
   /// rendered.
   virtual bool render(SampleRange range, const std::atomic<bool>& stop, Stats& stats,
                       const std::function<void(double share, const Stats& stats)>& onShare) = 0;
+  /// The part of the image's squared relative error that its variance does not show.
+  virtual double squaredBlur() const { return 0; }
 };
 
 }  // namespace brume

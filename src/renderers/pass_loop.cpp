@@ -2,6 +2,7 @@
 #include "renderers/pass_loop.h"
 
 #include <chrono>
+#include <cmath>
 #include <limits>
 
 namespace brume {
@@ -72,7 +73,8 @@ std::int64_t PortionLoop::nextPortion() const {
 
 void PortionLoop::estimateError() {
   if (film_.settings().withVariance && outcome_.samples >= std::min(kMinSamplesForError, total_))
-    outcome_.estimatedError = film_.estimatedRelativeError();
+    outcome_.estimatedError =
+        std::sqrt(sqr(film_.estimatedRelativeError()) + renderer_.squaredBlur());
 }
 
 std::optional<StopReason> PortionLoop::limitReached() const {

@@ -17,7 +17,7 @@ struct RenderLimits {
   bool wholeRounds = false;            ///< the sampler cannot split a round
   std::optional<std::int64_t> rounds;  ///< none: only the other limits
   std::optional<double> maxSeconds;    ///< exceeded by less than one portion
-  std::optional<double> targetError;   ///< Film::estimatedRelativeError
+  std::optional<double> targetError;   ///< noise (Film::estimatedRelativeError) and blur
   double secondsSpent = 0;             ///< before the first portion (photon maps); they count
 };
 

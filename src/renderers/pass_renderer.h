@@ -23,6 +23,7 @@ class PassRenderer final : public ImageRenderer {
 
   bool render(SampleRange range, const std::atomic<bool>& stop, Stats& stats,
               const std::function<void(double share, const Stats& stats)>& onShare) override;
+  double squaredBlur() const override { return parts_.integrator.squaredBlur(); }
 
  private:
   Parts parts_;

@@ -77,12 +77,26 @@ void traceTile(const PassContext& context, const CameraPaths& paths,
       tile.stats.add(Stat::CameraRays);
       const auto pixel = static_cast<std::uint32_t>((y - all.lo.y) * all.width() + (x - all.lo.x));
       BeamCollector collector(options, pass, tile, pixel);
-      const Rgb L = paths.follow(ray, collector, render) + collector.L;
-      pass.samples[tile.first + tile.samples++] = {sample.raster, tile.stats.checkRadiance(L)};
+      const Rgb L = tile.stats.checkRadiance(paths.follow(ray, collector, render) + collector.L);
+      if (options.monitor)
+        if (const auto probe = options.monitor->probeOf({x, y}))
+          pass.probes[*probe] = {static_cast<std::uint32_t>(tile.first + tile.samples), L,
+                                 collector.L.isFinite() ? collector.L : Rgb()};
+      pass.samples[tile.first + tile.samples++] = {sample.raster, L};
     }
 }
 
 }  // namespace
+
+std::vector<ProbeLight> probeLight(const CameraBeams& beams) {
+  std::vector<ProbeLight> light;
+  light.reserve(beams.probes.size());
+  for (const CameraBeams::Probe& probe : beams.probes) {
+    const Rgb all = beams.samples[probe.sample].L;
+    light.push_back({{all - probe.beforeBeams, probe.surfaces}, all});
+  }
+  return light;
+}
 
 void addToFilm(const CameraBeams& beams, Film& film) {
   // A batch of tiles at a time, so that few wait for their turn.
@@ -130,6 +144,7 @@ CameraBeams traceCameraBeams(const PassContext& context, const CameraPaths& path
   const auto area = static_cast<std::size_t>(result.pixels.area());
   result.samples.resize(area);
   if (options.wantsBeams) result.primary.resize(area);
+  if (options.monitor) result.probes.resize(options.monitor->probeCount());
   forEachChunk(static_cast<std::int64_t>(tiles.size()), 1,
                [&](std::int64_t i, std::int64_t, std::int64_t) {
                  if (context.stop.load(std::memory_order_relaxed)) return;

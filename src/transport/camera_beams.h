@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "accelerators/beam_lookup.h"
+#include "transport/blur_monitor.h"
 #include "transport/camera_path.h"
 
 namespace brume {
@@ -57,7 +58,14 @@ struct CameraBeams {
     Bounds2i pixels;
     std::size_t first = 0, end = 0;
   };
+  /// What a probe of a BlurMonitor looks through.
+  struct Probe {
+    std::uint32_t sample = 0;
+    Rgb beforeBeams;  ///< L without volume photons
+    Rgb surfaces;     ///< the part of surface photons
+  };
   std::vector<Sample> samples;  ///< tile by tile
+  std::vector<Probe> probes;    ///< when asked for
   std::vector<Tile> tiles;
   OwnedBeams primary;    ///< straight from the camera; Beam::pixel counts in `pixels`
   OwnedBeams secondary;  ///< behind mirrors and glass
@@ -73,7 +81,11 @@ struct CameraBeamOptions {
   std::optional<float> moment;                ///< time of all camera rays, part of the shutter
   const SurfacePhotonMap* surface = nullptr;  ///< photons on surfaces, or none
   float surfaceRadius = 0;
+  const BlurMonitor* monitor = nullptr;  ///< whose probes are wanted, or none
 };
+
+/// The light of a pass in the monitor's probes, once the beams have gathered theirs.
+std::vector<ProbeLight> probeLight(const CameraBeams& beams);
 
 /// Adds the samples to the film, tile by tile in order, as one pass.
 void addToFilm(const CameraBeams& beams, Film& film);

@@ -20,6 +20,8 @@ class RadiusSchedule {
     radius2_ *= (pass_ + alpha_) / (pass_ + 1);
     pass_ += 1;
   }
+  /// Multiplies the radii of the passes to come.
+  void scale(double factor) { radius2_ *= factor * factor; }
 
  private:
   double radius2_, alpha_;

@@ -12,9 +12,9 @@
 namespace brume {
 namespace {
 
+const std::string kAhead = "0 0 -4 0 0 0 0 1 0";
 std::string scene(const std::string& integrator, const std::string& world, int size = 16,
-                  const std::string& lookAt = "0 0 -4 0 0 0 0 1 0", double fov = 30,
-                  int samples = 1) {
+                  const std::string& lookAt = kAhead, double fov = 30, int samples = 1) {
   return fmt::format(
       "LookAt {}\nCamera \"perspective\" \"float fov\" [{}]\n"
       "Film \"image\" \"integer xresolution\" [{}] \"integer yresolution\" [{}]\n"
@@ -110,6 +110,39 @@ TEST(Pvpm, AgreesWithVolpathAtSmallRadius) {
     EXPECT_LT(pvpm.standardError, 0.05 * truth.mean);
     EXPECT_LT(truth.standardError, 0.02 * truth.mean);
   }
+}
+
+/// A soft cone of light, blurred by a radius like its own: the passes' variance alone would tell a
+/// tenth of the error.
+TEST(Pvpm, EstimatedErrorCountsTheBlur) {
+  const std::string world =
+      "LightSource \"spot\" \"point from\" [0 4 0] \"point to\" [0 0 0] \"float coneangle\" 12 "
+      "\"float conedeltaangle\" 12 \"color I\" [20 20 20] " +
+      fog("\"color sigma_s\" [.1 .1 .1] \"color sigma_a\" [.1 .1 .2] \"float g\" .3");
+  const LayeredImage truth =
+      renderText(scene("\"volpath\" \"integer maxdepth\" 1", world, 12, kAhead, 30, 2000)).image;
+  RenderSettings settings;
+  settings.passes = 256;
+  settings.targetError = 1e-9;
+  const RenderResult result =
+      renderText(scene("\"pvpm\" \"integer photonsperpass\" 2000 \"float radius\" .45 "
+                       "\"integer maxdepth\" 0 \"bool directvolume\" \"false\"",
+                       world, 12, kAhead, 30),
+                 settings);
+  const double mean = double{meanOf(truth).average()};
+  double error = 0, variance = 0, count = 0;
+  for (const std::string c : {"R", "G", "B"})
+    for (std::size_t i = 0; i < truth.channels.at(c).size(); ++i) {
+      const double t = double{truth.channels.at(c)[i]}, square = sqr(t) + kDarkShare * sqr(mean);
+      error += sqr(double{result.image.channels.at(c)[i]} - t) / square;
+      variance += double{result.image.channels.at("variance." + c)[i]} / square;
+      count += 1;
+    }
+  ASSERT_TRUE(result.estimatedError);
+  const double ratio = *result.estimatedError / std::sqrt(error / count);
+  EXPECT_LT(ratio, 1.5);
+  EXPECT_GT(ratio, 1 / 1.5);
+  EXPECT_LT(variance, 0.04 * error);
 }
 
 TEST(Pvpm, OnePassIsTheBeamRadianceEstimateOfItsMap) {

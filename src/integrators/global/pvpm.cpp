@@ -2,6 +2,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
+#include <cmath>
 #include <memory>
 
 #include "accelerators/beam_quadtree.h"
@@ -14,6 +16,7 @@
 #include "core/plan.h"
 #include "core/registry.h"
 #include "transport/beam_radiance.h"
+#include "transport/blur_monitor.h"
 #include "transport/camera_beams.h"
 #include "transport/first_radius.h"
 #include "transport/photon_maps.h"
@@ -27,6 +30,8 @@ namespace {
 
 enum class Lookup { Quadtree, Raster, Linear };
 enum class Schedule { Global, Beam };
+
+constexpr std::uint64_t kFirstLookAtBlur = 64;  // passes
 
 Rgb toRgb(const BeamSum& sum) {
   return {static_cast<float>(sum.r), static_cast<float>(sum.g), static_cast<float>(sum.b)};
@@ -118,12 +123,15 @@ class Pvpm final : public PassGlobalIntegrator {
   }
   bool renderPass(const PassContext& context,
                   const std::function<void(double share)>& onShare) override;
+  double squaredBlur() const override;
 
  private:
   void keepPhotons(const PrepareContext& context);
   void chooseRadii(const PassContext& context);
   std::optional<float> momentOf(const PassContext& context);
   void prepareRadii(const PassContext& context, CameraBeamOptions& options);
+  void watchBlur(const PassContext& context, const CameraBeams& camera,
+                 const CameraBeamOptions& options);
   void shrinkPixelRadii(const OwnedBeams& beams, std::span<const BeamSum> sums);
   PhotonSet tracePhotons(std::uint64_t seed, std::uint64_t pass, int paths,
                          const std::atomic<bool>& stop, Stats& stats) const;
@@ -140,6 +148,7 @@ class Pvpm final : public PassGlobalIntegrator {
   Interval shutter_;
   std::optional<PhotonSet> kept_;  // loaded: the same for every pass
   std::optional<RadiusSchedule> beamRadius_, surfaceRadius_;
+  std::optional<BlurMonitor> monitor_;
   std::vector<CountedRadius> countedRadii_;  // of each pixel, schedule "beam"
   std::vector<float> pixelRadii_;            // their present values
 };
@@ -294,6 +303,40 @@ void Pvpm::shrinkPixelRadii(const OwnedBeams& beams, std::span<const BeamSum> su
                                                double{params_.alpha});
 }
 
+/// The blur of each kind of photons that stands out of its noise.
+double Pvpm::squaredBlur() const {
+  double sum = 0;
+  for (const auto kind : {BlurMonitor::Beams, BlurMonitor::Surfaces})
+    if (const auto found = monitor_ ? monitor_->estimate(kind) : std::nullopt;
+        found && found->standsOut())
+      sum += found->blur2;
+  return sum;
+}
+
+/// Tells the monitor of a pass. Radii that nobody gave and that turn out to blur more than they
+/// should, because the pilot could not see what is blurred, shrink at once, and the more passes,
+/// the better is that known.
+void Pvpm::watchBlur(const PassContext& context, const CameraBeams& camera,
+                     const CameraBeamOptions& options) {
+  if (!monitor_) return;
+  monitor_->addPass(probeLight(camera), {sqr(double{options.beamRadius}) * beamRadius_.has_value(),
+                                         sqr(double{options.surfaceRadius})});
+  const auto passes = static_cast<std::uint64_t>(context.pass) + 1;
+  if (passes < kFirstLookAtBlur || !std::has_single_bit(passes)) return;
+  const auto sharpen = [&](BlurMonitor::Kind kind, std::optional<RadiusSchedule>& schedule,
+                           bool given, std::string_view what) {
+    if (!schedule || given) return;
+    const auto found = monitor_->estimate(kind);
+    const double factor = found ? found->radiusFactor() : 1;
+    if (factor == 1) return;
+    schedule->scale(factor);
+    context.log.verbose(fmt::format("pvpm: after {} passes the radius {} is {:.4g}", passes, what,
+                                    std::sqrt(schedule->radius2())));
+  };
+  sharpen(BlurMonitor::Beams, beamRadius_, params_.radius.has_value(), "of beams");
+  sharpen(BlurMonitor::Surfaces, surfaceRadius_, params_.surfaceradius.has_value(), "on surfaces");
+}
+
 /// The time of a pass in a scene that moves, as part of the shutter's: photons and beams of one
 /// pass must see the same scene. Evenly spread over the passes.
 std::optional<float> Pvpm::momentOf(const PassContext& context) {
@@ -319,6 +362,9 @@ bool Pvpm::renderPass(const PassContext& context, const std::function<void(doubl
   onShare(0.3);
 
   CameraBeamOptions options;
+  if (context.pass == 0 && !kept_ && params_.schedule == Schedule::Global)
+    monitor_.emplace(context.film.sampleBounds());
+  options.monitor = monitor_ ? &*monitor_ : nullptr;
   options.moment = moment;
   options.wantsBeams = beamRadius_.has_value();
   options.throughCentres = params_.fixedbeams;
@@ -346,6 +392,7 @@ bool Pvpm::renderPass(const PassContext& context, const std::function<void(doubl
     gather(camera.secondary, inMedium, nullptr, camera, context.stats);
     if (context.stop.load(std::memory_order_relaxed)) return false;
   }
+  watchBlur(context, camera, options);
   addToFilm(camera, context.film);
   return true;
 }
