@@ -14,18 +14,22 @@ struct BeamFoot {
   T d2;  ///< squared distance between point and foot
 };
 
-/// The foot of the point p on the line o + t d, |d| = 1. The expression and its order are fixed
-/// (and nothing is contracted to fused multiply-add), so every caller gets the same bits. The
-/// distance comes from the difference of two positions, not of two squares, which would cancel far
-/// from o.
+/// The foot of the point p, or o + q, on the line o + t d, |d| = 1. The expression and its order
+/// are fixed (and nothing is contracted to fused multiply-add), so every caller gets the same bits.
+/// The distance comes from the difference of two positions, not of two squares, which would cancel
+/// far from o.
+template <class T>
+[[gnu::always_inline]] inline BeamFoot<T> beamFoot(const T& qx, const T& qy, const T& qz,
+                                                   const T& dx, const T& dy, const T& dz) {
+  const T t = qx * dx + qy * dy + qz * dz;
+  const T ex = qx - t * dx, ey = qy - t * dy, ez = qz - t * dz;
+  return {t, ex * ex + ey * ey + ez * ez};
+}
 template <class T>
 [[gnu::always_inline]] inline BeamFoot<T> beamFoot(const T& ox, const T& oy, const T& oz,
                                                    const T& dx, const T& dy, const T& dz,
                                                    const T& px, const T& py, const T& pz) {
-  const T qx = px - ox, qy = py - oy, qz = pz - oz;
-  const T t = qx * dx + qy * dy + qz * dz;
-  const T ex = qx - t * dx, ey = qy - t * dy, ez = qz - t * dz;
-  return {t, ex * ex + ey * ey + ez * ez};
+  return beamFoot<T>(px - ox, py - oy, pz - oz, dx, dy, dz);
 }
 
 inline BeamFoot<float> beamFoot(const Vec3& o, const Vec3& d, const Vec3& p) {

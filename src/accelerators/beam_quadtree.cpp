@@ -144,7 +144,7 @@ std::size_t batchSize(const BeamTreeView& tree, const PhotonPositions& photons) 
 BeamQuadtree::BeamQuadtree(std::span<const Beam> beams, Vec2i resolution) {
   for (const Beam& beam : beams) checkBeam(beam);
   build(beams, cellsOnImage(beams, resolution), {});
-  findTileStarts();
+  boundTiles();
 }
 
 BeamQuadtree BeamQuadtree::inSpace(std::span<const Beam> beams) {
@@ -159,7 +159,7 @@ BeamQuadtree BeamQuadtree::inSpace(std::span<const Beam> beams) {
     tree.pieceStarts_[slot / kLanes][slot % kLanes] = beam == kNoBeam ? kInfinity : beams[beam].t0;
   }
   tree.view_.pieceStarts = tree.pieceStarts_.data();
-  tree.findTileStarts();
+  tree.boundTiles();
   return tree;
 }
 
@@ -232,25 +232,38 @@ void BeamQuadtree::buildLevels(std::vector<BeamFrustum> frusta) {
   for (std::size_t i = 0; i < levels_.size(); ++i) view_.levels[i] = levels_[i].data();
 }
 
-void BeamQuadtree::findTileStarts() {
-  tileStarts_.resize(tileCount());
+void BeamQuadtree::boundTiles() {
+  tileBounds_.resize(tileCount());
   forEachChunk(static_cast<std::int64_t>(tileCount()), 1,
                [&](std::int64_t, std::int64_t, std::int64_t chunk) {
                  const auto tile = static_cast<std::size_t>(chunk);
-                 BeamTreeView::Row first, last;
+                 const BlockRange blocks = blocksOf(tile);
+                 if (blocks.begin == blocks.end) return;
+                 const Block& one = blocks_[blocks.begin];
+                 const Vec3 origin(one.ox[0], one.oy[0], one.oz[0]);
+                 BeamTreeView::Row first, last, radius2{}, away{};
                  first.fill(kInfinity);
                  last.fill(-kInfinity);
-                 const BlockRange blocks = blocksOf(tile);
                  for (std::uint32_t b = blocks.begin; b < blocks.end; ++b) {
+                   const Block& block = blocks_[b];
                    // Places without a beam start at infinity.
                    const BeamTreeView::Row& starts = view_.startsOf(b);
                    for (std::size_t i = 0; i < kLanes; ++i) {
+                     const bool isBeam = starts[i] != kInfinity;
                      first[i] = std::min(first[i], starts[i]);
-                     last[i] = std::max(last[i], starts[i] == kInfinity ? -kInfinity : starts[i]);
+                     last[i] = std::max(last[i], isBeam ? starts[i] : -kInfinity);
+                     radius2[i] = std::max(radius2[i], block.radius2[i]);
+                     const float d = std::abs(block.ox[i] - origin.x) +
+                                     std::abs(block.oy[i] - origin.y) +
+                                     std::abs(block.oz[i] - origin.z);
+                     away[i] = std::max(away[i], isBeam ? d : 0.f);
                    }
                  }
-                 tileStarts_[tile] = {*std::min_element(first.begin(), first.end()),
-                                      *std::max_element(last.begin(), last.end())};
+                 TileBounds& bounds = tileBounds_[tile];
+                 bounds.starts = {*std::min_element(first.begin(), first.end()),
+                                  *std::max_element(last.begin(), last.end())};
+                 bounds.radius2 = *std::max_element(radius2.begin(), radius2.end());
+                 if (*std::max_element(away.begin(), away.end()) == 0) bounds.origin = origin;
                });
 }
 
@@ -297,7 +310,7 @@ void BeamQuadtree::forEachTile(const PhotonPositions& photons, const TileBody& b
 std::size_t BeamQuadtree::memoryBytes() const {
   std::size_t bytes = sizeof(*this) + blocks_.capacity() * sizeof(Block) +
                       pieceStarts_.capacity() * sizeof(BeamTreeView::Row) +
-                      tileStarts_.capacity() * sizeof(Interval) +
+                      tileBounds_.capacity() * sizeof(TileBounds) +
                       (blockBegin_.capacity() + slotBeams_.capacity()) * sizeof(std::uint32_t);
   for (const auto& level : levels_) bytes += level.capacity() * sizeof(Node);
   return bytes;

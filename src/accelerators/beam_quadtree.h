@@ -19,6 +19,7 @@
 
 #include <array>
 #include <functional>
+#include <optional>
 
 #include "accelerators/beam_frustum.h"
 #include "accelerators/beam_lookup.h"
@@ -86,8 +87,14 @@ class BeamQuadtree final : public BeamLookup {
   std::size_t tileCount() const { return levels_[view_.tileLevel].size(); }
   /// The blocks of a tile; slot = 8 * block + lane.
   BlockRange blocksOf(std::size_t tile) const;
-  /// The first and the last t at which beams of a tile start; t0 > t1 when it has none.
-  Interval startsIn(std::size_t tile) const { return tileStarts_[tile]; }
+  /// What the beams of a tile have in common.
+  struct TileBounds {
+    Interval starts{kInfinity,
+                    -kInfinity};  ///< first and last t at which they start; t0 > t1: no beams
+    float radius2 = 0;            ///< largest squared radius
+    std::optional<Vec3> origin;   ///< of all of them, if it is the same
+  };
+  const TileBounds& boundsOf(std::size_t tile) const { return tileBounds_[tile]; }
 
   /// Calls body(tile, indices) for tiles and the photons that may be inside their beams, tiles in
   /// parallel, the photons of one tile in order, in one or several calls one after another.
@@ -106,13 +113,13 @@ class BeamQuadtree final : public BeamLookup {
   BeamFrustum fillCell(std::size_t cell, std::span<const Beam> beams, const BeamCells& cells,
                        std::span<const std::uint32_t> owners);
   void buildLevels(std::vector<BeamFrustum> frusta);
-  void findTileStarts();
+  void boundTiles();
 
   std::vector<Block> blocks_;
   std::vector<std::uint32_t> blockBegin_;
   std::vector<std::vector<Node>> levels_;
   std::vector<BeamTreeView::Row> pieceStarts_;
-  std::vector<Interval> tileStarts_;
+  std::vector<TileBounds> tileBounds_;
   BeamTreeView view_;
 };
 

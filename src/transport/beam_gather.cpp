@@ -35,6 +35,8 @@ struct alignas(64) PhotonState {
   float a, oneMinusA2;         ///< a = |g|: denominator of p: (1 - a)^2 + a |d + w|^2
   std::array<float, 3> power;  ///< with the constant factor of p
   float tKnown;                ///< where the transmittance is known
+  bool isNarrow = false;       ///< c0 + c1 x is enough for all beams that it is inside of
+  Vec3 q{0};                   ///< then: from the origin of the tile's beams
   /// Of each channel: power times transmittance at t = tKnown - x is c0 + c1 x + c2 x^2 + c3 x^3.
   std::array<std::array<float, 4>, 3> series;
 };
@@ -44,16 +46,21 @@ struct TileGather {
   std::size_t tile;
   BlockRange blocks;
   std::array<float, 3> sigma_t;
-  float reach;   ///< way by which a transmittance is continued; below 0: none is
-  float tStart;  ///< transmittance is counted from here on all beams of the tile...
-  bool isWide;   ///< ...unless they start too far apart: then each from its own start
-  bool isEven;   ///< all beams start at tStart
-  bool isGray;   ///< sigma_t is the same in all channels
+  float reach;                 ///< way by which a transmittance is continued; below 0: none is
+  float tStart;                ///< transmittance is counted from here on all beams of the tile...
+  bool isWide;                 ///< ...unless they start too far apart: then each from its own start
+  bool isEven;                 ///< all beams start at tStart
+  bool isGray;                 ///< sigma_t is the same in all channels
+  std::optional<Vec3> origin;  ///< of all beams, where a photon may be narrow
+  float narrowReach = 0;       ///< from there on photons are
   BlockSums* sums;
 };
 
 /// Optical depth x up to which 1 + x + x^2/2 + x^3/6 stands for e^x: relative error below 4e-8.
 constexpr float kSeriesReach = 0.03f;
+
+/// And up to which 1 + x does.
+constexpr float kLinearReach = 2.8e-4f;
 
 /// Number of optical depths between the starts of a tile's beams from which it is wide: below, no
 /// transmittance that matters underflows.
@@ -68,6 +75,8 @@ PhotonState stateOf(const BeamPhoton& photon) {
           sqr(1.f - a),
           {photon.power.r * phase, photon.power.g * phase, photon.power.b * phase},
           0,
+          false,
+          Vec3(0),
           {}};
 }
 
@@ -146,7 +155,8 @@ TileGather makeTileGather(const BeamQuadtree& tree, std::size_t tile, const Rgb&
                           std::vector<BlockSums>& sums) {
   const BlockRange blocks = tree.blocksOf(tile);
   sums.resize(blocks.end - blocks.begin);
-  const auto [first, last] = tree.startsIn(tile);
+  const BeamQuadtree::TileBounds& bounds = tree.boundsOf(tile);
+  const auto [first, last] = bounds.starts;
   TileGather gather{};
   gather.tile = tile;
   gather.blocks = blocks;
@@ -156,6 +166,8 @@ TileGather makeTileGather(const BeamQuadtree& tree, std::size_t tile, const Rgb&
   gather.reach = gather.isWide ? -1.f : kSeriesReach / sigma_t.maxChannel();
   gather.isEven = first == last;
   gather.isGray = sigma_t.r == sigma_t.g && sigma_t.g == sigma_t.b;
+  if (!gather.isWide) gather.origin = bounds.origin;
+  gather.narrowReach = bounds.radius2 * sigma_t.maxChannel() / kLinearReach;
   gather.sums = sums.data();
   return gather;
 }

@@ -25,6 +25,10 @@ BRUME_KERNEL inline Lanes seriesAt(const std::array<float, 4>& c, const Lanes& x
   return Lanes::all(c[0]) + x * (Lanes::all(c[1]) + x * (Lanes::all(c[2]) + x * Lanes::all(c[3])));
 }
 
+BRUME_KERNEL inline Lanes lineAt(const std::array<float, 4>& c, const Lanes& x) {
+  return Lanes::all(c[0]) + x * Lanes::all(c[1]);
+}
+
 /// With the transmittance known at a neighbour's t and continued by x = tKnown - t.
 template <bool kGray>
 BRUME_KERNEL inline void addNear(const PhotonState& photon, const Lanes& weight, const Lanes& x,
@@ -68,6 +72,27 @@ BRUME_KERNEL inline void addToBlock(const BeamTreeView& tree, const TileGather& 
     addFar(tile, photon, weight, (foot.t - Lanes::all(tile.tStart)) & mask, sums);
 }
 
+/// The same for a narrow photon: its beams have it at nearly the same t, tKnown - x. From a common
+/// origin at the distance l = tKnown, 0 <= x = l - t = d^2 / (l + t) < radius^2 / l.
+template <bool kIsotropic, bool kGray>
+BRUME_KERNEL inline void addNarrow(const BeamTreeView& tree, const TileGather& tile,
+                                   const PhotonState& photon, std::uint32_t b) {
+  const BeamTreeView::Block& block = tree.blocks[b];
+  const BeamFoot<Lanes> foot =
+      beamFoot(Lanes::all(photon.q.x), Lanes::all(photon.q.y), Lanes::all(photon.q.z),
+               load(block.dx), load(block.dy), load(block.dz));
+  const Lanes mask = insideMask(block, foot);
+  BlockSums& sums = tile.sums[b - tile.blocks.begin];
+  countLanes(mask, sums.count.data());
+  const Lanes weight = weightOf<kIsotropic>(block, photon, kernelOf(block, foot.d2)) & mask;
+  const Lanes x = Lanes::all(photon.tKnown) - foot.t;
+  const Lanes gray = kGray ? weight * lineAt(photon.series[0], x) : weight;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const Lanes L = gray * (kGray ? Lanes::all(photon.power[c]) : lineAt(photon.series[c], x));
+    (Lanes::load(sums.L[c].data()) + L).store(sums.L[c].data());
+  }
+}
+
 /// t on one of the beams that may contain the photon; not before tStart, where the transmittance
 /// would grow.
 inline float nearT(const BeamTreeView::Block& block, const TileGather& tile, const Vec3& p) {
@@ -100,9 +125,15 @@ template <bool kIsotropic, bool kGray>
 BRUME_KERNEL inline void gatherPairs(const BeamTreeView& tree, const TileGather& tile,
                                      std::span<const PhotonState> photons,
                                      std::span<const CellOfPhoton> pairs) {
-  for (const CellOfPhoton& pair : pairs)
-    for (std::uint32_t b = pair.blocks.begin; b < pair.blocks.end; ++b)
-      addToBlock<kIsotropic, kGray>(tree, tile, photons[pair.photon], b);
+  for (const CellOfPhoton& pair : pairs) {
+    const PhotonState& photon = photons[pair.photon];
+    if (photon.isNarrow)
+      for (std::uint32_t b = pair.blocks.begin; b < pair.blocks.end; ++b)
+        addNarrow<kIsotropic, kGray>(tree, tile, photon, b);
+    else
+      for (std::uint32_t b = pair.blocks.begin; b < pair.blocks.end; ++b)
+        addToBlock<kIsotropic, kGray>(tree, tile, photon, b);
+  }
 }
 
 /// The photons of a group that may be in a cell of the tile, made ready, and their cells. Returns
@@ -130,7 +161,14 @@ BRUME_KERNEL inline std::size_t prepareGroup(const BeamTreeView& tree, const Til
   for (CellOfPhoton& cell : std::span(cells, pairs.size())) cell.photon = place[cell.photon];
   for (std::uint32_t i = 0; i < n; ++i) {
     states[i] = stateOf(photons[indices[there[i]]]);
-    states[i].tKnown = nearT(tree.blocks[nearBlock[there[i]]], tile, states[i].p);
+    if (tile.origin) {
+      const float l = distance(states[i].p, *tile.origin);
+      states[i].isNarrow = l >= std::max(tile.narrowReach, tile.tStart);
+      states[i].q = states[i].p - *tile.origin;
+      states[i].tKnown = l;
+    }
+    if (!states[i].isNarrow)
+      states[i].tKnown = nearT(tree.blocks[nearBlock[there[i]]], tile, states[i].p);
   }
   findSeries(tile, {states, n});
   return n;

@@ -91,6 +91,23 @@ TEST(BeamGather, EqualsTheSum) {
   }
 }
 
+TEST(BeamGather, NarrowBeams) {
+  // Photons whose transmittance is a line over all beams that they are inside of: those of a
+  // pinhole that are far enough; near ones are not.
+  for (const Rays rays : {Rays::Pinhole, Rays::Environment})
+    for (float radius : {0.003f, 0.01f, 0.03f}) {
+      BeamScene scene;
+      scene.rays = rays;
+      scene.resolution = {31, 20};
+      scene.radius = radius;
+      expectSums(scene, Rgb(0.3f, 0.5f, 0.9f), 0);
+      expectSums(scene, Rgb(0.4f), 0.7f);
+      expectSums(scene, Rgb(0.3f, 0.5f, 0.9f), -0.5f);
+      scene.isUneven = true;
+      expectSums(scene, Rgb(0.6f), 0);
+    }
+}
+
 TEST(BeamGather, BeamsThatStartFarApart) {
   BeamScene scene;
   scene.resolution = {31, 20};
