@@ -71,6 +71,7 @@ class DiffuseAreaLight final : public AreaLight {
   float extent() const override { return bounds_.radius(); }
   std::optional<LightEmission> sampleEmission(const Ball& target,
                                               const EmissionUniforms& u) const override;
+  Rgb powerToward(const Ball& target) const override;
 
  private:
   /// 1/d^2 between the region and the point of the shape's bounds that is nearest to it.
@@ -85,13 +86,15 @@ class DiffuseAreaLight final : public AreaLight {
   Bounds3 bounds_;
 };
 
+/// 1 - cos of the cone below which a target fills a small part of the hemisphere.
+constexpr float kSmall = 0.25f;
+
 /// A point by area and a cosine-distributed direction, or one towards a target that fills a small
 /// part of the hemisphere.
 std::optional<LightEmission> DiffuseAreaLight::sampleEmission(const Ball& target,
                                                               const EmissionUniforms& u) const {
   const ShapeSample at = shape_.sampleArea(u.point);
   if (!(at.pdf > 0)) return std::nullopt;
-  constexpr float kSmall = 0.25f;  // 1 - cos
   const auto start = [&](const Vec3& w) { return offsetRayOrigin(at.p, at.pError, at.n, w); };
   if (oneMinusCosSeen(at.p, target) < kSmall) {
     const AimedDirection aimed = aimAt(target, at.p, u.direction);
@@ -101,6 +104,29 @@ std::optional<LightEmission> DiffuseAreaLight::sampleEmission(const Ball& target
   }
   const Vec3 w = Frame::fromZ(at.n).fromLocal(sampleCosineHemisphere(u.direction));
   return LightEmission{start(w), w, L_ * (kPi / at.pdf)};
+}
+
+/// The mean over a grid of points; of a target that sinks below a point's horizon, about what is
+/// left.
+Rgb DiffuseAreaLight::powerToward(const Ball& target) const {
+  constexpr int kPerAxis = 4;
+  float sum = 0;
+  for (int i = 0; i < kPerAxis * kPerAxis; ++i) {
+    const Vec2 u = (Vec2(i % kPerAxis, i / kPerAxis) + Vec2(0.5f)) * (1.f / kPerAxis);
+    const ShapeSample at = shape_.sampleArea(u);
+    if (!(at.pdf > 0)) continue;
+    const float oneMinusCos = oneMinusCosSeen(at.p, target);
+    if (oneMinusCos >= kSmall) {
+      sum += kPi / at.pdf;
+      continue;
+    }
+    const auto cosine =
+        static_cast<float>(dot(normalize(Vec3d(target.center) - Vec3d(at.p)), Vec3d(at.n)));
+    const float sine = std::sqrt(oneMinusCos * (2 - oneMinusCos));  // of the cone's half-angle
+    const float seen = cosine >= sine ? cosine : 0.25f * std::max(0.f, cosine + sine);
+    sum += 2 * kPi * oneMinusCos * seen / at.pdf;
+  }
+  return L_ * (sum / (kPerAxis * kPerAxis));
 }
 
 const RegisterPlugin<AreaLight, DiffuseAreaLight> kRegistration{"diffuse", Origin::PbrtV2,

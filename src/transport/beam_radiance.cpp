@@ -128,8 +128,11 @@ Bounds3 reachOf(std::span<const Beam> beams) {
 
 VolumePhotons::VolumePhotons(const Volume& volume, std::span<const Photon> photons,
                              const VolumePhotonOptions& options) {
-  // Along a space-filling curve.
-  const Bounds3 bounds = volume.bounds();
+  // Along a space-filling curve, through where photons are: a medium may be far larger.
+  Bounds3 bounds;
+  for (const Photon& photon : photons)
+    if (!photon.isOnSurface()) bounds.extend(photon.p);
+  if (bounds.isEmpty()) return;
   const Vec3 scale = Vec3(1) / max(bounds.diagonal(), Vec3(std::numeric_limits<float>::min()));
   const PhotonMirror mirror(volume);
   std::vector<Place> order;

@@ -21,6 +21,7 @@ constexpr int kProbesPerAxis = 24;       // pixels that are looked through, alon
 constexpr int kSteps = 16;               // of the ladder; each halves r^2
 constexpr int kDown = 2;                 // steps from a radius to the one it is compared with
 constexpr double kMostInPilot = 1000;    // photons of a half that the ladder begins with
+constexpr double kNearlyMost = 1.5;      // times that
 constexpr double kLargest = 0.1;         // of the media's diagonal
 constexpr double kDefault = 0.01;        // of the scene's diagonal
 constexpr double kPairsPerSegment = 50;  // of photons and beams, in the time of a path segment
@@ -196,6 +197,14 @@ struct Halves {
     }
     paths = share * static_cast<double>(*std::max_element(pilot.paths.begin(), pilot.paths.end()));
   }
+  /// Diagonal of the box around the photons in media.
+  double extent() const {
+    Bounds3 bounds;
+    for (const auto& half : photons)
+      for (const Photon& photon : half)
+        if (!photon.isOnSurface()) bounds.extend(photon.p);
+    return bounds.isEmpty() ? 0 : double{length(bounds.diagonal())};
+  }
 };
 
 std::optional<double> median(std::vector<double>& values) {
@@ -244,12 +253,18 @@ FirstRadii firstRadii(const Scene& scene, const CameraPaths& paths, const PassCo
   if (!seen.beams.beams.empty()) {
     const VolumePhotons photons[] = {{*scene.volume(), halves.photons[0]},
                                      {*scene.volume(), halves.photons[1]}};
+    // Where the light fills but a small part of the media, many times smaller than they are.
     double largest = kLargest * double{length(scene.volume()->bounds().diagonal())};
+    if (const double extent = halves.extent(); extent > 0)
+      largest = std::min(largest, 2 * kLargest * extent);
     PixelLight scratch(probes.size());
-    mostPerBeam = gatherWith(scene, seen.beams, largest, photons[0], scratch);
-    if (mostPerBeam > kMostInPilot) {
+    const auto count = [&] { return gatherWith(scene, seen.beams, largest, photons[0], scratch); };
+    mostPerBeam = count();
+    // Photons per beam fall like r^2, or more slowly while a beam holds nearly all there are.
+    while (mostPerBeam > kMostInPilot) {
       largest *= std::sqrt(kMostInPilot / mostPerBeam);
-      mostPerBeam = kMostInPilot;
+      mostPerBeam = count();
+      if (mostPerBeam < kNearlyMost * kMostInPilot) break;
     }
     beams.emplace(largest, probes.size());
     for (std::size_t half = 0; half < 2; ++half)

@@ -18,7 +18,8 @@ bool meets(const Ball& ball, const LightEmission& emission) {
   const Vec3d toCenter = Vec3d(ball.center) - Vec3d(emission.o), d(emission.d);
   const double along = dot(toCenter, d), distance2 = dot(toCenter, toCenter),
                radius2 = sqr(double{ball.radius});
-  return distance2 <= radius2 || (along > 0 && distance2 - along * along <= radius2);
+  // Far away, the rounding of d's length counts.
+  return distance2 <= radius2 || (along > 0 && distance2 - along * along / dot(d, d) <= radius2);
 }
 
 }  // namespace

@@ -10,6 +10,9 @@ namespace brume {
 
 namespace {
 
+/// As for shapes, so that squares of distances are finite.
+constexpr float kLargestCoordinate = 1.8e18f;
+
 /// Colours that were given as spectra can lie outside the RGB gamut; media cannot be negative.
 Rgb withoutNegatives(const Rgb& c, std::string_view name, const Volume::FactoryContext& context) {
   if (c.minChannel() >= 0) return c;
@@ -50,6 +53,9 @@ BoxVolume::BoxVolume(const VolumeParams& params, const FactoryContext& context)
   if (isFlat_ && context.log)
     context.log->warning(context.where,
                          "the box from \"p0\" to \"p1\" is flat: it holds no medium");
+  const Bounds3 bounds = BoxVolume::bounds();
+  if (!(maxComponent(max(abs(bounds.lo), abs(bounds.hi))) <= kLargestCoordinate))
+    throw SceneError(context.where, "the volume reaches beyond a distance of 1.8e18");
 }
 
 Bounds3 BoxVolume::bounds() const { return volumeToWorld_.bounds({Vec3(lo_), Vec3(hi_)}); }

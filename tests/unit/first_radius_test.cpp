@@ -52,6 +52,13 @@ TEST(FirstRadius, IsSmallerWhereTheLightIsSharper) {
   EXPECT_GT(thin, 0.2 * fat);
 }
 
+TEST(FirstRadius, DoesNotGrowWithDarkParts) {
+  // Light reaches a few lengths far, however large the box is.
+  const double small = firstRadius(kLight + box(20, 20, 2), 20'000);
+  for (const double half : {1e4, 1e8, 1e17})
+    EXPECT_NEAR(firstRadius(kLight + box(half, half, 2), 20'000) / small, 1, 0.1) << half;
+}
+
 TEST(FirstRadius, HasADefaultWhereNoPhotonsAre) {
   // A black medium behind the light's wall of the same: nothing is scattered twice.
   const double radius = firstRadius(

@@ -190,17 +190,34 @@ TEST(PhotonTracer, AimingAtSmallMediaChangesNoExpectation) {
   for (const std::string light :
        {"LightSource \"distant\" \"point from\" [0 1 0] ",
         "LightSource \"point\" \"point from\" [0 40 5] \"color I\" [1600 1600 1600] ",
+        "AttributeBegin AreaLightSource \"area\" \"color L\" [1600 1600 1600] "
+        "Translate 0 40 5 Shape \"sphere\" \"float radius\" .5641896 AttributeEnd ",
+        "AttributeBegin AreaLightSource \"area\" \"color L\" [1600 1600 1600] "
+        "Translate 0 40 5 Rotate 90 1 0 0 Shape \"disk\" \"float radius\" .5641896 AttributeEnd ",
         "LightSource \"spot\" \"point from\" [0 40 5] \"point to\" [0 0 5] "
         "\"float coneangle\" 60 \"color I\" [1600 1600 1600] "}) {
     const auto job = sceneOf(light + box("\"color sigma_a\" [.1 .1 .1]", 1) + floor);
     const Estimate e =
-        totalPower(job->scene(), {kVolumePhotons}, PhotonClass::VolumeUnscattered, 0, 20000);
+        totalPower(job->scene(), {kVolumePhotons}, PhotonClass::VolumeUnscattered, 0, 40000);
     // Irradiance 1 on a face of 4, of which 1 - exp(-0.2) collides; a point light's rays diverge,
     // and its irradiance falls, by some 0.1 % over the box.
     const double expected = 4 * -std::expm1(-0.2);
     EXPECT_NEAR(e.mean, expected, 4 * e.standardError + 0.003 * expected) << light;
     EXPECT_LT(e.standardError, 0.01 * expected);
   }
+}
+
+TEST(PhotonTracer, LightFromVeryFarReachesAllOfTheMedia) {
+  // What enters a box of side 2 is absorbed there; it shows the area 4 (|dx| + |dy|).
+  const auto job = sceneOf(
+      "LightSource \"point\" \"point from\" [3e4 4e4 5] \"color I\" [2.5e9 2.5e9 2.5e9] " +
+      box("\"color sigma_a\" [1e5 1e5 1e5]", 1) +
+      "Material \"matte\" Translate 0 -3 5 Rotate 90 1 0 0 Shape \"disk\" \"float radius\" 60 ");
+  const Estimate e =
+      totalPower(job->scene(), {kVolumePhotons}, PhotonClass::VolumeUnscattered, 0, 20000);
+  const double expected = 4 * (0.6 + 0.8);
+  // Distances to the light differ by 2e-4 of it.
+  EXPECT_NEAR(e.mean, expected, 4 * e.standardError + 1e-3 * expected);
 }
 
 /// Fluence times sigma_t in a small ball of thin fog above a wide white floor under a distant

@@ -8,10 +8,28 @@
 namespace brume {
 namespace {
 
-/// Of the media's diagonal: the step where none is given.
-constexpr float kDefaultStep = 0.01f;
-/// Through the whole diagonal: more would be a slip, and take hours.
+/// Of the media's diagonal: the step where none is given. At most so much of the photons' root mean
+/// square distance from their middle, where they fill a small part of the media.
+constexpr float kDefaultStep = 0.01f, kDefaultStepOfSpread = 0.08f;
+/// Default steps grow, each twice as long as the one before, where less than this transmittance or
+/// so many steps are left behind.
+constexpr float kDeepTransmittance = 1e-4f;
+constexpr int kEvenSteps = 1000;
+/// Of a given size, through the whole diagonal: more would be a slip, and take hours.
 constexpr float kMostSteps = 1e5f;
+
+/// Root mean square distance of the photons from their middle.
+float spreadOf(const PhotonKdTree& tree) {
+  Vec3d sum(0);
+  double squares = 0;
+  for (std::size_t i = 0; i < tree.size(); ++i) {
+    const Vec3d p(tree.point(i));
+    sum += p;
+    squares += dot(p, p);
+  }
+  const auto n = static_cast<double>(tree.size());
+  return static_cast<float>(std::sqrt(std::max(0., squares / n - dot(sum, sum) / (n * n))));
+}
 
 /// Volume photon mapping: marches along the camera ray and asks at every step for the photons
 /// around a point.
@@ -32,7 +50,9 @@ class Vpm final : public PhotonMapIntegrator {
     void visit(ParamVisitor& v) {
       PhotonMapParams::visit(v);
       v(stepsize, "stepsize", kPositive, Unit::Length,
-        "of the march; by default a hundredth of the media's diagonal");
+        "of the march; by default a hundredth of the media's diagonal, or less where the light "
+        "fills "
+        "a small part of them");
     }
   };
   Vpm(const Params& params, const FactoryContext& context)
@@ -43,8 +63,9 @@ class Vpm final : public PhotonMapIntegrator {
  private:
   void onVolumeMap(const VolumePhotonMap& map) override {
     const float diagonal = 2 * map.volume().bounds().radius();
-    step_ = params_.stepsize.value_or(kDefaultStep * diagonal);
-    if (diagonal > kMostSteps * step_)
+    step_ = params_.stepsize.value_or(
+        std::min(kDefaultStep * diagonal, kDefaultStepOfSpread * spreadOf(map.tree())));
+    if (params_.stepsize && diagonal > kMostSteps * step_)
       throw SceneError(where_,
                        fmt::format("\"stepsize\" {} would take {:.3g} steps through the media "
                                    "of diagonal {}; at most {} are allowed",
@@ -62,19 +83,26 @@ class Vpm final : public PhotonMapIntegrator {
     const Interval range = medium.occupied();
     PointLookup lookup = lookup_;
     // Whole steps, none longer than asked for.
-    const double steps = std::ceil(double{range.length()} / double{step_});
-    const double dt = double{range.length()} / steps;
-    const double offset = double{context.samples.get1D()};
+    double dt = double{range.length()} / std::ceil(double{range.length()} / double{step_});
+    const double offset = double{context.samples.get1D()}, rangeEnd = double{range.t1};
     BeamEstimate sum;
-    for (double j = 0; j < steps; ++j) {
-      const auto t = static_cast<float>(double{range.t0} + (j + offset) * dt);
-      const Rgb scattered = medium.transmittance(t) * albedoOf(medium.at(t));
-      if (scattered.isBlack()) continue;
-      lookup.between = {range.t0 - t, range.t1 - t};
-      const BeamEstimate here =
-          pointRadiance(map, lookup, medium.ray()(t), -medium.ray().d, search);
-      sum.L += scattered * here.L * static_cast<float>(dt);
-      sum.photons += here.photons;
+    double start = double{range.t0};
+    for (int steps = 1; start < rangeEnd; ++steps) {
+      double end = start + dt;
+      if (!(end + 0.5 * dt < rangeEnd)) end = rangeEnd;
+      const auto t = static_cast<float>(start + offset * (end - start));
+      const Rgb Tr = medium.transmittance(t), scattered = Tr * albedoOf(medium.at(t));
+      if (!scattered.isBlack()) {
+        lookup.between = {range.t0 - t, range.t1 - t};
+        const BeamEstimate here =
+            pointRadiance(map, lookup, medium.ray()(t), -medium.ray().d, search);
+        sum.L += scattered * here.L * static_cast<float>(end - start);
+        sum.photons += here.photons;
+      }
+      // There is little to see behind this.
+      if (!params_.stepsize && (steps >= kEvenSteps || Tr.maxChannel() < kDeepTransmittance))
+        dt *= 2;
+      start = end;
     }
     return sum;
   }
