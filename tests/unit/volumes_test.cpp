@@ -448,13 +448,23 @@ TEST(Aggregate, TwoHalvesAreOneWhole) {
   const auto sideBySide = makeAggregateVolume({a.get(), b.get()});
   const auto overlapping = makeAggregateVolume({c.get(), d.get()});
   const auto nested = makeAggregateVolume({overlapping.get()});
+  // So many that a tree finds them.
+  std::vector<std::unique_ptr<Volume>> slices;
+  std::vector<const Volume*> allSlices;
+  for (int i = 0; i < 32; ++i) {
+    MediumSpec slice = spec;
+    slice.p0.x = static_cast<float>(i) / 32;
+    slice.p1.x = static_cast<float>(i + 1) / 32;
+    allSlices.push_back(slices.emplace_back(makeHomogeneous(slice)).get());
+  }
+  const auto sliced = makeAggregateVolume(allSlices);
   for (int i = 0; i < 200; ++i) {
     Ray ray{{3 * rng.uniform() - 1, 3 * rng.uniform() - 1, 3 * rng.uniform() - 1},
             test::randomDirection(rng)};
     const auto range = whole->intersect(ray);
     if (!range) continue;
     const Rgb tau = whole->opticalDepth(ray, *range), e = whole->emission(ray, *range);
-    for (const Volume* sum : {sideBySide.get(), overlapping.get(), nested.get()}) {
+    for (const Volume* sum : {sideBySide.get(), overlapping.get(), nested.get(), sliced.get()}) {
       ASSERT_TRUE(sum->intersect(ray));
       EXPECT_NEAR(sum->opticalDepth(ray, *range).b, tau.b, 1e-6f);
       for (int k = 0; k < 3; ++k) EXPECT_NEAR(sum->emission(ray, *range)[k], e[k], 2e-6f * e[k]);
@@ -463,6 +473,11 @@ TEST(Aggregate, TwoHalvesAreOneWhole) {
       EXPECT_NEAR(*t, *whole->invertOpticalDepth(ray, *range, 0, .7f * tau.r), 1e-6f);
     }
     EXPECT_NEAR(overlapping->at(ray(range->t0 + .5f * range->length())).Le.g, 2, 1e-6);
+    const Vec3 inside = ray(range->t0 + .7f * range->length()), wo = test::randomDirection(rng),
+               wi = test::randomDirection(rng);
+    EXPECT_EQ(sliced->at(inside).sigma_s, whole->at(inside).sigma_s);
+    EXPECT_NEAR(sliced->phase(inside, wo, wi).g, whole->phase(inside, wo, wi).g, 1e-6);
+    EXPECT_TRUE(whole->bounds().contains(sliced->sampleEmission(rng)));
   }
 }
 
