@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include <atomic>
+#include <exception>
 
 #include "core/accelerator.h"
 #include "core/parallel.h"
@@ -27,9 +28,16 @@ constexpr int kMotionSegments = 16;
 /// Embree drops what lies beyond.
 constexpr float kLargestCoordinate = 1.8e18f;
 
-/// Embree's context of one query, with the time in the scene's units.
+/// Embree's context of one query, with the time in the scene's units and what a callback would have
+/// thrown: exceptions do not pass through Embree.
 struct QueryContext : RTCIntersectContext {
   float time = 0;
+  std::exception_ptr failure = nullptr;
+
+  void rethrow() const {
+    if (failure) [[unlikely]]
+      std::rethrow_exception(failure);
+  }
 };
 
 struct DeviceDeleter {
@@ -170,7 +178,11 @@ void movingOccluded(const RTCOccludedFunctionNArguments* args) {
 void alphaFilter(const RTCFilterFunctionNArguments* args) {
   const auto& mesh = *static_cast<const TriangleMesh*>(args->geometryUserPtr);
   const auto& hit = *reinterpret_cast<const RTCHit*>(args->hit);
-  if (args->valid[0] == -1 && !mesh.isOpaqueAt(hit.primID, hit.u, hit.v)) args->valid[0] = 0;
+  try {
+    if (args->valid[0] == -1 && !mesh.isOpaqueAt(hit.primID, hit.u, hit.v)) args->valid[0] = 0;
+  } catch (...) {  // the texture's file cannot be read
+    static_cast<QueryContext*>(args->context)->failure = std::current_exception();
+  }
 }
 
 class EmbreeAccelerator final : public Accelerator {
@@ -411,6 +423,7 @@ std::optional<SceneHit> EmbreeAccelerator::intersect(const Ray& ray) const {
   rayHit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   rayHit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
   rtcIntersect1(top_, &context, &rayHit);
+  context.rethrow();
   const RTCHit& found = rayHit.hit;
   if (found.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
 
@@ -440,6 +453,7 @@ bool EmbreeAccelerator::occluded(const Ray& ray) const {
   RTCRay query;
   setRay(ray, shutterPosition(ray.time), query);
   rtcOccluded1(top_, &context, &query);
+  context.rethrow();
   return query.tfar < 0;
 }
 

@@ -161,16 +161,25 @@ int ceilToInt(float x) { return -floorToInt(-x); }
 }  // namespace
 
 template <class T>
+double MipMap<T>::bytes(Vec2i size) {
+  return 4. / 3 * sizeof(T) * roundUpPow2(size.x) * roundUpPow2(size.y);
+}
+
+template <class T>
+bool MipMap<T>::fits(Vec2i size) {
+  return bytes(size) <= kMaxPyramidBytes;
+}
+
+template <class T>
 MipMap<T>::MipMap(int width, int height, std::vector<T> texels, const MipMapSettings& settings)
     : settings_(settings) {
   BRUME_CHECK(width > 0 && height > 0 &&
               texels.size() == static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
   const int w = roundUpPow2(width), h = roundUpPow2(height);
-  const double needed = 4. / 3 * sizeof(T) * w * h;
-  if (needed > kMaxPyramidBytes)
+  if (!fits({width, height}))
     throw SceneError(fmt::format(
         "the filtered image is too large: {} x {} texels need {:.1f} GiB; the limit is {:.0f} GiB",
-        w, h, needed / 0x1p30, kMaxPyramidBytes / 0x1p30));
+        w, h, bytes({width, height}) / 0x1p30, kMaxPyramidBytes / 0x1p30));
   if (w != width || h != height) {
     texels = resampleRows(texels, width, w, height, h, settings.wrap);
     resampleColumns(texels, w, height, h, settings.wrap);

@@ -29,6 +29,10 @@ class MipMap {
   /// large for memory.
   MipMap(int width, int height, std::vector<T> texels, const MipMapSettings& settings);
 
+  /// Memory of a pyramid over an image of this size; whether it is below the limit.
+  static double bytes(Vec2i size);
+  static bool fits(Vec2i size);
+
   int width() const { return levels_[0].width; }
   int height() const { return levels_[0].height; }
   int levels() const { return static_cast<int>(levels_.size()); }

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "core/io/file_bytes.h"
 #include "core/triangle_mesh.h"
 
 namespace brume {
@@ -143,6 +144,20 @@ void planIdle(const SceneDescription::Unused& unused, const IdleParts& idle, Pla
   skipSome(plan, unused.textures, "texture", "used by no surface, so not loaded");
   skipSome(plan, idle.unreachingLights, "light", "shining past all surfaces and media");
   skipSome(plan, idle.clearVolumes, "volume", "neither absorbing, scattering nor emitting");
+}
+
+void planFiles(const DeferredCounts& files, bool isRendered, Plan& plan) {
+  const auto named = [](std::size_t n) {
+    return counted(n, "file") + " of textures and materials";
+  };
+  const std::string unread = formatBytes(files.bytesUnread);
+  if (files.read > 0) plan.build(named(files.read), "read");
+  if (files.unread == 0) return;
+  if (isRendered)
+    plan.skip(named(files.unread), fmt::format("no ray met them, {} are not taken", unread));
+  else
+    plan.build(named(files.unread),
+               fmt::format("read when a ray first meets them, {} if it does", unread));
 }
 
 }  // namespace brume

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "core/deferred.h"
 #include "core/parse/scene_description.h"
 #include "core/scene.h"
 
@@ -55,5 +56,7 @@ struct Plan {
 Plan planScene(const SceneInventory& inventory);
 /// What the file holds in vain.
 void planIdle(const SceneDescription::Unused& unused, const IdleParts& idle, Plan& plan);
+/// Files of textures and materials: before the render, or after it.
+void planFiles(const DeferredCounts& files, bool isRendered, Plan& plan);
 
 }  // namespace brume

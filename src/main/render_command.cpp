@@ -61,6 +61,7 @@ class RenderRun {
   void render(RenderJob& job, FrameReport report);
   void checkOutput(const std::string& image);
   void writeOutput(const std::string& image, const RenderResult& result, PixelPrecision precision);
+  void rescueImage(const Film::Settings& film, const RenderResult& soFar);
   void warnAboutFaults(const Stats& stats);
   void say(const std::string& line) const {
     if (command_.log.verbosity != Verbosity::Quiet) std::fprintf(stderr, "%s\n", line.c_str());
@@ -111,6 +112,7 @@ void RenderRun::doFrame(SceneDescription description, FrameReport report) {
   report.seconds.build = watch.lap();
   switch (command_.action) {
     case RenderCommand::Action::Check:
+      job.readAllFiles();
       return;
     case RenderCommand::Action::Plan:
       for (const std::string& line : job.plan()) std::printf("%s\n", line.c_str());
@@ -138,6 +140,17 @@ void RenderRun::writeOutput(const std::string& image, const RenderResult& result
   if (command_.pngToo && png != image) writeImage(png.string(), result.image);
 }
 
+/// Of a render that fails: what was finished is worth keeping. The failure is told afterwards.
+void RenderRun::rescueImage(const Film::Settings& film, const RenderResult& soFar) {
+  try {
+    writeOutput(film.filename, soFar, film.precision);
+    say(fmt::format("failed after {} samples per pixel; wrote what was finished to {}",
+                    soFar.samples, film.filename));
+  } catch (const std::exception& error) {
+    say(fmt::format("the image so far is lost: {}", error.what()));
+  }
+}
+
 void RenderRun::render(RenderJob& job, FrameReport report) {
   const Film::Settings& film = job.film().settings();
   checkOutput(film.filename);
@@ -148,14 +161,16 @@ void RenderRun::render(RenderJob& job, FrameReport report) {
   const RenderResult result = [&] {
     ProgressLine line(command_.log.verbosity);
     const auto show = [&](const RenderProgress& p) { line.show(p); };
-    if (!job.isProgressive()) return job.run(signals.stop(), show);
+    const auto rescue = [&](const RenderResult& soFar) { rescueImage(film, soFar); };
+    if (!job.isProgressive()) return job.run(signals.stop(), show, {}, rescue);
     // Whoever waits can look: the file is replaced by better ones, each whole.
     double nextRefresh = kSecondsToFirstImage;
-    return job.run(signals.stop(), show, [&](const RenderResult& soFar) {
+    const auto refresh = [&](const RenderResult& soFar) {
       if (soFar.seconds < nextRefresh) return;
       writeOutput(film.filename, soFar, film.precision);
       nextRefresh = kSnapshotGrowth * soFar.seconds;
-    });
+    };
+    return job.run(signals.stop(), show, refresh, rescue);
   }();
   Stopwatch watch;
   writeOutput(film.filename, result, film.precision);
@@ -175,6 +190,7 @@ void RenderRun::render(RenderJob& job, FrameReport report) {
   report.acceleratorMemory = job.scene().accelerator().memoryBytes();
   report.acceleratorPeak = job.scene().accelerator().peakMemoryBytes();
   report.stats = result.stats;
+  report.files = job.files();
   report.plugins = job.plugins();
   report.plan = job.plan();
   const bool isInterrupted = result.reason == StopReason::Interrupted;

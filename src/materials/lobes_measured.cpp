@@ -38,17 +38,33 @@ int clampedIndex(float x, int count) {
 
 // --- MERL ----------------------------------------------------------------------------------------
 
-MerlBrdf::MerlBrdf(const std::string& path, const SourceLocation& where) {
-  static_assert(std::endian::native == std::endian::little);
-  constexpr std::size_t kEntries = std::size_t{kThetaH} * kThetaD * kPhiD;
-  constexpr std::size_t kHeader = 3 * sizeof(std::int32_t);
-  constexpr std::size_t kSize = kHeader + 3 * kEntries * sizeof(double);
-  const Bytes bytes = readAt(path, std::uint64_t{1} << 30, where);
+namespace {
 
-  // A MERL file has one size only; anything else is cut short or no such file.
+// A MERL file has one size only; anything else is cut short or no such file.
+constexpr std::size_t kEntries =
+    std::size_t{MerlBrdf::kThetaH} * MerlBrdf::kThetaD * MerlBrdf::kPhiD;
+constexpr std::size_t kHeader = 3 * sizeof(std::int32_t);
+constexpr std::size_t kSize = kHeader + 3 * kEntries * sizeof(double);
+
+bool startsAsMerl(ByteSpan bytes) {
+  static_assert(std::endian::native == std::endian::little);
   std::int32_t dims[3] = {0, 0, 0};
   if (bytes.size() >= kHeader) std::memcpy(dims, bytes.data(), kHeader);
-  if (dims[0] != kThetaH || dims[1] != kThetaD || dims[2] != kPhiD)
+  return dims[0] == MerlBrdf::kThetaH && dims[1] == MerlBrdf::kThetaD && dims[2] == MerlBrdf::kPhiD;
+}
+
+}  // namespace
+
+bool MerlBrdf::hasUsualHead(const std::string& path) {
+  const auto file = FilePieces::open(path);
+  return file && file->size() == kSize && startsAsMerl(file->read(0, kHeader));
+}
+
+double MerlBrdf::bytesOf(const std::string&) { return double{kEntries} * sizeof(Rgb); }
+
+MerlBrdf::MerlBrdf(const std::string& path, const SourceLocation& where) {
+  const Bytes bytes = readAt(path, std::uint64_t{1} << 30, where);
+  if (!startsAsMerl(bytes))
     throw SceneError(
         where, fmt::format("'{}' is not a measured BRDF in the MERL format: it must start with the "
                            "32-bit integers 90 90 180 (text files need the suffix .brdf)",
@@ -195,17 +211,45 @@ Vec3 sphericalDirection(float theta, float phi) {
 
 }  // namespace
 
+namespace {
+
+constexpr std::uint64_t kMaxTextBytes = std::uint64_t{64} << 20;
+constexpr std::size_t kMaxWavelengths = 1000;
+
+bool isNumberOfWavelengths(float n) { return n >= 1 && n <= kMaxWavelengths && n == std::floor(n); }
+
+}  // namespace
+
+bool IrregularBrdf::hasUsualHead(const std::string& path) {
+  constexpr std::size_t kLooked = std::size_t{1} << 16;
+  const auto file = FilePieces::open(path);
+  if (!file || file->size() <= kLooked || file->size() > kMaxTextBytes) return false;
+  Bytes head = file->read(0, kLooked);
+  while (!head.empty() && head.back() != '\n') head.pop_back();  // what was cut off
+  try {
+    const std::vector<float> numbers = readNumbers(head, path, {});
+    return !numbers.empty() && isNumberOfWavelengths(numbers[0]) &&
+           static_cast<float>(numbers.size()) >= 5 + 2 * numbers[0];
+  } catch (const SceneError&) {
+    return false;
+  }
+}
+
+double IrregularBrdf::bytesOf(const std::string& path) {
+  constexpr double kCharactersOfNumber = 8;
+  const auto file = FilePieces::open(path);
+  return file ? static_cast<double>(file->size()) / kCharactersOfNumber * sizeof(float) : 0;
+}
+
 IrregularBrdf::IrregularBrdf(const std::string& path, const SourceLocation& where) {
-  constexpr std::uint64_t kMaxBytes = std::uint64_t{64} << 20;
-  constexpr std::size_t kMaxWavelengths = 1000;
-  const std::vector<float> numbers = readNumbers(readAt(path, kMaxBytes, where), path, where);
+  const std::vector<float> numbers = readNumbers(readAt(path, kMaxTextBytes, where), path, where);
   const auto fail = [&](const std::string& reason) {
     throw SceneError(where, fmt::format("the BRDF file '{}' {}", path, reason));
   };
 
   // The header, and a body of whole samples.
   if (numbers.empty()) fail("is empty");
-  if (!(numbers[0] >= 1 && numbers[0] <= kMaxWavelengths && numbers[0] == std::floor(numbers[0])))
+  if (!isNumberOfWavelengths(numbers[0]))
     fail(fmt::format("starts with {}; the number of wavelengths must be an integer from 1 to {}",
                      numbers[0], kMaxWavelengths));
   const std::size_t n = static_cast<std::size_t>(numbers[0]), stride = 4 + n, body = 1 + n;

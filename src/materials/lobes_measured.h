@@ -25,6 +25,10 @@ class MerlBrdf {
   /// Throws SceneError at `where` for a file that cannot be read, is of another size or holds
   /// anything but finite numbers.
   MerlBrdf(const std::string& path, const SourceLocation& where);
+  /// Whether the file's first bytes and its size are those of a table.
+  static bool hasUsualHead(const std::string& path);
+  /// Memory that the table of a file takes, about.
+  static double bytesOf(const std::string& path);
 
   /// [1/sr], the nearest entry.
   Rgb f(const Vec3& wo, const Vec3& wi) const;
@@ -50,6 +54,11 @@ class IrregularBrdf {
  public:
   /// Throws SceneError as MerlBrdf.
   IrregularBrdf(const std::string& path, const SourceLocation& where);
+  /// Whether it is a long text that begins with numbers as they should be. One of up to 64 KiB is
+  /// read as quickly as looked at.
+  static bool hasUsualHead(const std::string& path);
+  /// Memory that the samples of a file take, about.
+  static double bytesOf(const std::string& path);
 
   Rgb f(const Vec3& wo, const Vec3& wi) const;
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "core/deferred.h"
 #include "core/file_cache.h"
 #include "core/material.h"
 #include "core/registry.h"
@@ -8,17 +9,27 @@ namespace brume {
 namespace {
 
 /// The table of a file, shared by all materials of a scene that name it: exporters write the same
-/// material before every shape, and a MERL table is 17 MB.
+/// material before every shape, and a MERL table is 17 MB. It is read at the first lookup if the
+/// file looks right, at once if it does not.
 template <class Brdf>
-const Brdf* loadOnce(FileCache& files, const std::string& path, const SourceLocation& where) {
+const Deferred<Brdf>* deferOnce(FileCache& files, const std::string& path,
+                                const SourceLocation& where) {
   return files
-      .get<std::unique_ptr<const Brdf>>(path,
-                                        [&] { return std::make_unique<const Brdf>(path, where); })
+      .get<std::unique_ptr<const Deferred<Brdf>>>(
+          path,
+          [&] {
+            auto brdf = std::make_unique<const Deferred<Brdf>>(
+                path, Brdf::bytesOf(path), [path, where] { return Brdf(path, where); });
+            if (!Brdf::hasUsualHead(path)) brdf->load();
+            DeferredFiles::of(files).add(*brdf);
+            return brdf;
+          })
       .get();
 }
 
 /// A measured isotropic BRDF from a file: the MERL format (see MerlBrdf), or, by the suffix .brdf,
-/// a text of irregular samples (see IrregularBrdf). Reflects on both sides. Test: measured_test.
+/// a text of irregular samples (see IrregularBrdf). Reflects on both sides.
+/// The file is read when a ray first meets the material. Test: measured_test.
 class Measured final : public Material {
  public:
   struct Params {
@@ -38,9 +49,9 @@ class Measured final : public Material {
       throw SceneError(context.where, "Material 'measured' needs the parameter 'string filename'");
     const SourceLocation& where = file.where.isKnown() ? file.where : context.where;
     if (file.path.ends_with(".brdf") || file.path.ends_with(".BRDF"))
-      irregular_ = loadOnce<IrregularBrdf>(*files_, file.path, where);
+      irregular_ = deferOnce<IrregularBrdf>(*files_, file.path, where);
     else
-      merl_ = loadOnce<MerlBrdf>(*files_, file.path, where);
+      merl_ = deferOnce<MerlBrdf>(*files_, file.path, where);
   }
 
   bool hasSpecular() const override { return false; }
@@ -50,16 +61,16 @@ class Measured final : public Material {
 
   void addLobes(const SurfaceInteraction&, Bsdf& bsdf) const override {
     if (merl_)
-      bsdf.add<MerlLobe>(*merl_);
+      bsdf.add<MerlLobe>(merl_->get());
     else
-      bsdf.add<IrregularLobe>(*irregular_);
+      bsdf.add<IrregularLobe>(irregular_->get());
   }
 
  private:
   Params params_;
   FileCacheOf files_;
-  const MerlBrdf* merl_ = nullptr;  // one of the two
-  const IrregularBrdf* irregular_ = nullptr;
+  const Deferred<MerlBrdf>* merl_ = nullptr;  // one of the two
+  const Deferred<IrregularBrdf>* irregular_ = nullptr;
 };
 
 const RegisterPlugin<Material, Measured> kRegistration{

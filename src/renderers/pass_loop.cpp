@@ -28,6 +28,7 @@ class PortionLoop {
   RenderOutcome run(const std::atomic<bool>& stop, Stats& stats);
 
  private:
+  bool renderPortion(std::int64_t portion, const std::atomic<bool>& stop, Stats& stats);
   using Clock = std::chrono::steady_clock;
   double seconds() const {
     return limits_.secondsSpent + std::chrono::duration<double>(Clock::now() - start_).count();
@@ -45,7 +46,8 @@ class PortionLoop {
   std::int64_t total_ = 0;
   RenderOutcome outcome_;
   std::int64_t lastPortion_ = 0;
-  std::int64_t nextSnapshot_ = 1;           // [samples]
+  std::int64_t nextSnapshot_ = 1;  // [samples]
+  double nextReport_ = kSecondsBetweenReports;
   Clock::time_point start_ = Clock::now();  // moved on by the time that snapshots take
 };
 
@@ -113,16 +115,25 @@ void PortionLoop::showSnapshot() {
   nextSnapshot_ = std::max(outcome_.samples + 1, static_cast<std::int64_t>(next));
 }
 
+bool PortionLoop::renderPortion(std::int64_t portion, const std::atomic<bool>& stop, Stats& stats) {
+  const auto onShare = [&](double share, const Stats& soFar) {
+    if (!watch_.progress || seconds() < nextReport_) return;
+    watch_.progress(progressAt(share, portion, soFar));
+    nextReport_ = seconds() + kSecondsBetweenReports;
+  };
+  try {
+    return renderer_.render({outcome_.samples, outcome_.samples + portion}, stop, stats, onShare);
+  } catch (...) {
+    outcome_.seconds = seconds();
+    if (watch_.rescue && outcome_.samples > 0) watch_.rescue(outcome_);
+    throw;
+  }
+}
+
 RenderOutcome PortionLoop::run(const std::atomic<bool>& stop, Stats& stats) {
-  double nextReport = kSecondsBetweenReports;
   for (;;) {
     const std::int64_t portion = nextPortion();
-    const bool isWhole = renderer_.render({outcome_.samples, outcome_.samples + portion}, stop,
-                                          stats, [&](double share, const Stats& soFar) {
-                                            if (!watch_.progress || seconds() < nextReport) return;
-                                            watch_.progress(progressAt(share, portion, soFar));
-                                            nextReport = seconds() + kSecondsBetweenReports;
-                                          });
+    const bool isWhole = renderPortion(portion, stop, stats);
     outcome_.seconds = seconds();
     if (!isWhole) {
       outcome_.reason = StopReason::Interrupted;

@@ -28,12 +28,14 @@ struct RenderOutcome {
   std::optional<double> estimatedError;
 };
 
-/// Who is told how far the render is; either may be empty. Called from one thread at a time.
+/// Who is told how far the render is; each may be empty. Called from one thread at a time.
 struct RenderWatch {
   std::function<void(const RenderProgress&)> progress;  ///< a few times a second at most
   /// After the first portion, and whenever the samples have grown by kSnapshotGrowth since; what it
   /// takes is not counted in any time.
   std::function<void(const RenderOutcome&)> snapshot;
+  /// When a portion fails, with what was finished before it; then the failure is thrown.
+  std::function<void(const RenderOutcome&)> rescue = {};
 };
 
 /// Renders portion after portion until a limit is reached or `stop` is set. Without time and error

@@ -28,6 +28,9 @@ struct RenderJob::Parts {
   RenderLimits limits() const;
   std::unique_ptr<ImageRenderer> makeRenderer() const;
   RenderResult resultAt(const RenderOutcome& outcome, const Stats& stats) const;
+  std::vector<std::string> planLines() const;
+  const DeferredFiles* deferredFiles() const;
+  DeferredCounts files() const;
 
   RenderSettings settings;
   Log& log;
@@ -49,6 +52,7 @@ struct RenderJob::Parts {
 
   std::vector<UsedPlugin> plugins;
   double setupSeconds = 0;
+  bool isRendered = false;
 };
 
 namespace {
@@ -96,7 +100,7 @@ RenderJob::Parts::Parts(SceneDescription description, const RenderSettings& sett
   planIdle(description.unused, idle, plan);
   makeIntegrators(options, factory);
   checkLayers();
-  for (const std::string& line : plan.lines()) log.verbose("plan: " + line);
+  for (const std::string& line : planLines()) log.verbose("plan: " + line);
   plugins = factory.takeUsed();
   setupSeconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
@@ -223,9 +227,26 @@ RenderResult RenderJob::Parts::resultAt(const RenderOutcome& outcome, const Stat
     metadata["brume:" + plugin.kind] = text;
   }
   std::string planText;
-  for (const std::string& line : plan.lines()) planText += line + "\n";
+  for (const std::string& line : planLines()) planText += line + "\n";
   metadata["brume:plan"] = planText;
   return result;
+}
+
+const DeferredFiles* RenderJob::Parts::deferredFiles() const {
+  FileCache* files = scene->contents().files.get();
+  return files ? &DeferredFiles::of(*files) : nullptr;
+}
+
+DeferredCounts RenderJob::Parts::files() const {
+  const DeferredFiles* files = deferredFiles();
+  return files ? files->count() : DeferredCounts{};
+}
+
+/// The plan, and what has become of the files.
+std::vector<std::string> RenderJob::Parts::planLines() const {
+  Plan all = plan;
+  planFiles(files(), isRendered, all);
+  return all.lines();
 }
 
 std::unique_ptr<ImageRenderer> RenderJob::Parts::makeRenderer() const {
@@ -240,7 +261,9 @@ std::unique_ptr<ImageRenderer> RenderJob::Parts::makeRenderer() const {
 
 RenderResult RenderJob::run(const std::atomic<bool>& stop,
                             const std::function<void(const RenderProgress&)>& progress,
-                            const std::function<void(const RenderResult&)>& snapshot) {
+                            const std::function<void(const RenderResult&)>& snapshot,
+                            const std::function<void(const RenderResult&)>& rescue) {
+  parts_->isRendered = true;
   const Parts& p = *parts_;
   const std::unique_ptr<ImageRenderer> renderer = p.makeRenderer();
   RenderLimits limits = p.limits();
@@ -252,9 +275,10 @@ RenderResult RenderJob::run(const std::atomic<bool>& stop,
   limits.secondsSpent =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
-  RenderWatch watch{progress, {}};
+  RenderWatch watch{progress, {}, {}};
   if (snapshot)
     watch.snapshot = [&](const RenderOutcome& soFar) { snapshot(p.resultAt(soFar, stats)); };
+  if (rescue) watch.rescue = [&](const RenderOutcome& soFar) { rescue(p.resultAt(soFar, stats)); };
   return p.resultAt(renderPortions(*renderer, *p.film, limits, stop, stats, watch), stats);
 }
 
@@ -262,6 +286,10 @@ bool RenderJob::isProgressive() const { return parts_->passes != nullptr; }
 const Film& RenderJob::film() const { return *parts_->film; }
 const Scene& RenderJob::scene() const { return *parts_->scene; }
 const std::vector<RenderJob::UsedPlugin>& RenderJob::plugins() const { return parts_->plugins; }
-std::vector<std::string> RenderJob::plan() const { return parts_->plan.lines(); }
+std::vector<std::string> RenderJob::plan() const { return parts_->planLines(); }
+DeferredCounts RenderJob::files() const { return parts_->files(); }
+void RenderJob::readAllFiles() const {
+  if (const DeferredFiles* files = parts_->deferredFiles()) files->loadAll();
+}
 
 }  // namespace brume

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "core/deferred.h"
 #include "core/film.h"
 #include "core/integrator.h"
 #include "core/parse/scene_description.h"
@@ -69,10 +70,13 @@ class RenderJob {
 
   /// Renders until done or stop is set. `progress` is called from one thread at a time, a few times
   /// a second at most; `snapshot` at growing intervals (kSnapshotGrowth) with the image so far. The
-  /// time it takes is not counted.
+  /// time it takes is not counted. When the render fails (SceneError where the file of a texture is
+  /// found broken at its first lookup), `rescue` gets the image that was finished before, if there
+  /// is one, and the failure is thrown.
   RenderResult run(const std::atomic<bool>& stop,
                    const std::function<void(const RenderProgress&)>& progress,
-                   const std::function<void(const RenderResult&)>& snapshot = {});
+                   const std::function<void(const RenderResult&)>& snapshot = {},
+                   const std::function<void(const RenderResult&)>& rescue = {});
 
   /// Whether the image is made by passes, each of which improves all of it.
   bool isProgressive() const;
@@ -84,8 +88,13 @@ class RenderJob {
     std::vector<ParamRecord> params;
   };
   const std::vector<UsedPlugin>& plugins() const;
-  /// What the scene has, what is built, what is skipped and why: --plan.
+  /// What the scene has, what is built, what is skipped and why: --plan. After run() it knows which
+  /// files nothing looked at.
   std::vector<std::string> plan() const;
+  /// Files of textures and materials that have been read, and those that wait for a first lookup.
+  DeferredCounts files() const;
+  /// Reads the latter too, as a check. Throws SceneError.
+  void readAllFiles() const;
 
  private:
   struct Parts;

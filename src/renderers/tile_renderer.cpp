@@ -2,6 +2,8 @@
 #include "renderers/tile_renderer.h"
 
 #include <condition_variable>
+#include <exception>
+#include <limits>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -23,11 +25,11 @@ class InOrder {
   InOrder(Film& film, Stats& stats) : film_(film), stats_(stats) {}
 
   /// Waits until tile `index` is near enough to the first one that is not merged. That one's thread
-  /// never waits, so all go on. False: some thread has failed.
+  /// never waits, so all go on. False: a tile before this one has failed.
   bool waitForTurn(std::int64_t index) {
     std::unique_lock lock(mutex_);
-    moved_.wait(lock, [&] { return failed_ || index < next_ + kMaxTilesAhead; });
-    return !failed_;
+    moved_.wait(lock, [&] { return failed_ < index || index < next_ + kMaxTilesAhead; });
+    return index < failed_;
   }
   /// Counts the tile's statistics; merges it, and all that waited for it, when it is its turn.
   /// Calls merged(n), n the number of merged tiles, from one thread at a time.
@@ -44,10 +46,18 @@ class InOrder {
     merged(next_);
     moved_.notify_all();
   }
-  void fail() {
+  /// Ends the tiles after this one, which cannot be merged, and keeps the present exception. Those
+  /// before it go on, so that the failure of the first tile to fail is the one that is told,
+  /// whatever the number of threads.
+  void fail(std::int64_t index) {
     const std::lock_guard lock(mutex_);
-    failed_ = true;
+    if (index >= failed_) return;
+    failed_ = index;
+    failure_ = std::current_exception();
     moved_.notify_all();
+  }
+  void rethrow() const {
+    if (failure_) std::rethrow_exception(failure_);
   }
 
  private:
@@ -57,7 +67,8 @@ class InOrder {
   std::condition_variable moved_;
   std::map<std::int64_t, FilmTile> waiting_;
   std::int64_t next_ = 0;
-  bool failed_ = false;
+  std::int64_t failed_ = std::numeric_limits<std::int64_t>::max();
+  std::exception_ptr failure_;
 };
 
 }  // namespace
@@ -104,10 +115,10 @@ bool TileRenderer::render(SampleRange range, const std::atomic<bool>& stop, Stat
         onTile(static_cast<double>(merged) / static_cast<double>(count), stats);
       });
     } catch (...) {
-      inOrder.fail();
-      throw;
+      inOrder.fail(index);
     }
   });
+  inOrder.rethrow();
   return !stop.load(std::memory_order_relaxed);
 }
 

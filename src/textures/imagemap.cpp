@@ -1,8 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <mutex>
+#include <new>
+#include <optional>
+
+#include "core/deferred.h"
 #include "core/file_cache.h"
 #include "core/io/image.h"
+#include "core/io/image_head.h"
 #include "core/mipmap.h"
 #include "core/registry.h"
 #include "textures/mapping.h"
@@ -40,34 +46,92 @@ void convert(const Rgb& from, const ImageMapParams& p, float& to) {
   to = power(p.scale * from.luminance(), p.gamma);
 }
 
+/// The pixels of a file, which live from the making of the first pyramid to that of the last.
+class TexturePixels {
+ public:
+  explicit TexturePixels(const Filename& file) : file_(file) {}
+
+  /// Announces a call of lend.
+  void expectUser() { ++users_; }
+  /// use(the image); the file is read when it is not at hand.
+  template <class Use>
+  auto lend(const Use& use) {
+    const std::lock_guard lock(mutex_);
+    if (!image_) image_ = readTextureImage(file_.path, file_.where);
+    auto result = use(*image_);
+    if (--users_ == 0) image_.reset();
+    return result;
+  }
+
+ private:
+  Filename file_;
+  std::mutex mutex_;
+  int users_ = 0;
+  std::optional<RgbImage> image_;
+};
+
 template <class T>
-MipMap<T> makePyramid(const ImageMapParams& params, FileCache& files) {
-  const RgbImage& image = files.get<RgbImage>(params.filename.path, [&] {
-    return readTextureImage(params.filename.path, params.filename.where);
-  });
-  std::vector<T> texels(image.pixels.size());
-  for (std::size_t i = 0; i < texels.size(); ++i) convert(image.pixels[i], params, texels[i]);
+MipMap<T> makePyramid(const RgbImage& image, const ImageMapParams& params) {
+  const auto fail = [&](const char* reason) {
+    return SceneError(params.filename.where,
+                      fmt::format("cannot use image '{}': {}", params.filename.path, reason));
+  };
   try {
+    std::vector<T> texels(image.pixels.size());
+    for (std::size_t i = 0; i < texels.size(); ++i) convert(image.pixels[i], params, texels[i]);
     return {image.width, image.height, std::move(texels), params.filter};
   } catch (const SceneError& e) {
-    throw SceneError(params.filename.where,
-                     fmt::format("cannot use image '{}': {}", params.filename.path, e.what()));
+    throw fail(e.what());
+  } catch (const std::bad_alloc&) {
+    throw fail("out of memory");
   }
 }
 
-/// The pyramid of a file with these settings, made once for all textures that share them.
 template <class T>
-const MipMap<T>& pyramidOf(const ImageMapParams& p, FileCache& files, const SourceLocation& where) {
+using DeferredPyramid = Deferred<MipMap<T>>;
+
+/// A pyramid that is made at the first lookup, if the file looks whole and its pyramid fits into
+/// memory; in every doubt at once, so that what is wrong shows before anything is rendered.
+template <class T>
+std::unique_ptr<DeferredPyramid<T>> deferPyramid(const ImageMapParams& p, FileCache& files) {
+  const std::string& path = p.filename.path;
+  const auto& size = files.get<std::optional<Vec2i>>(path, [&] { return sizeOfWholeImage(path); });
+  if (size && MipMap<T>::fits(*size)) {
+    TexturePixels& pixels = *files.get<std::unique_ptr<TexturePixels>>(
+        path, [&] { return std::make_unique<TexturePixels>(p.filename); });
+    pixels.expectUser();
+    return std::make_unique<DeferredPyramid<T>>(path, MipMap<T>::bytes(*size), [&pixels, p] {
+      return pixels.lend([&](const RgbImage& image) { return makePyramid<T>(image, p); });
+    });
+  }
+  const RgbImage& image =
+      files.get<RgbImage>(path, [&] { return readTextureImage(path, p.filename.where); });
+  auto pyramid =
+      std::make_unique<DeferredPyramid<T>>(path, MipMap<T>::bytes({image.width, image.height}),
+                                           [&image, p] { return makePyramid<T>(image, p); });
+  pyramid->load();
+  return pyramid;
+}
+
+/// The pyramid of a file with these settings, one for all textures that share them.
+template <class T>
+const DeferredPyramid<T>& pyramidOf(const ImageMapParams& p, FileCache& files,
+                                    const SourceLocation& where) {
   if (!p.filename.isGiven()) throw SceneError(where, "imagemap needs \"string filename\"");
   const std::string key =
       fmt::format("{} {} {} {} {} {}", p.scale, p.gamma, static_cast<int>(p.filter.wrap),
                   p.filter.trilinear, p.filter.maxAnisotropy, p.filename.path);
-  return files.get<MipMap<T>>(key, [&] { return makePyramid<T>(p, files); });
+  return *files.get<std::unique_ptr<DeferredPyramid<T>>>(key, [&] {
+    auto pyramid = deferPyramid<T>(p, files);
+    DeferredFiles::of(files).add(*pyramid);
+    return pyramid;
+  });
 }
 
 /// An image, filtered over the footprint; t = 0 is the top row of EXR files, the bottom row of all
 /// others (readTextureImage). A float texture is the luminance. 8-bit values are used as they
-/// stand: "gamma" 2.2 makes sRGB images about linear. Test: textures_test.
+/// stand: "gamma" 2.2 makes sRGB images about linear. The file is read when the texture is first
+/// looked up. Test: textures_test.
 template <class T>
 class ImageMapTexture final : public Texture<T> {
  public:
@@ -80,13 +144,13 @@ class ImageMapTexture final : public Texture<T> {
 
   T evaluate(const TextureContext& at) const override {
     const TexturePoint2 q = mapping_(at);
-    return pyramid_.lookup(q.st, q.dstdx, q.dstdy);
+    return pyramid_.get().lookup(q.st, q.dstdx, q.dstdy);
   }
 
  private:
   Mapping2D mapping_;
   FileCacheOf files_;
-  const MipMap<T>& pyramid_;
+  const DeferredPyramid<T>& pyramid_;
 };
 
 constexpr const char* kSummary = "filtered image from a file";

@@ -58,6 +58,8 @@ Json frameJson(const FrameReport& frame) {
   forEachCounter(frame.stats, [&](std::string_view group, std::string_view name, std::uint64_t n) {
     counters[fmt::format("{}/{}", group, name)] = n;
   });
+  counters["Files/read"] = frame.files.read;
+  counters["Files/not read"] = frame.files.unread;
   json["plan"] = frame.plan;
   Json& plugins = json["plugins"] = Json::array();
   for (const RenderJob::UsedPlugin& plugin : frame.plugins) plugins.push_back(pluginJson(plugin));
@@ -100,6 +102,11 @@ std::string statsTable(const FrameReport& frame) {
     shownGroup = group;
     row(name, fmt::format("{}", n));
   });
+  if (frame.files.read + frame.files.unread > 0) {
+    text += "  Files\n";
+    row("read", fmt::format("{}", frame.files.read));
+    row("not read", fmt::format("{}", frame.files.unread));
+  }
   text += "  Time [s]\n";
   const PhaseTimes& t = frame.seconds;
   for (const auto& [name, seconds] : {std::pair{"parse", t.parse}, std::pair{"build", t.build},

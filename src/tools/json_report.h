@@ -31,6 +31,7 @@ struct FrameReport {
   std::uint64_t acceleratorMemory = 0;  ///< of Embree's structures, without the meshes [bytes]
   std::uint64_t acceleratorPeak = 0;    ///< the most that they took while they were built [bytes]
   Stats stats;
+  DeferredCounts files;  ///< of textures and materials
   std::vector<RenderJob::UsedPlugin> plugins;
   std::vector<std::string> plan;  ///< what was built and what was skipped, and why
 };

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <bit>
@@ -14,6 +15,7 @@
 
 #include "core/io/exr_file.h"
 #include "core/io/file_bytes.h"
+#include "core/io/image_head.h"
 #include "core/io/pfm_file.h"
 #include "core/io/stb_image_file.h"
 #include "core/srgb.h"
@@ -281,6 +283,142 @@ TEST_F(ImageFile, EveryTruncationIsAnError) {
       EXPECT_THROW(decodeAny(extension, ByteSpan(bytes).first(length)), SceneError)
           << extension << " cut at " << length << " of " << bytes.size();
   }
+}
+
+// --- without decoding ---
+
+TEST_F(ImageFile, HeadAndEndTellTheSizeOfWholeFiles) {
+  int i = 0;
+  for (const auto& [extension, bytes] : smallFiles(directory_.string())) {
+    const std::string name = "copy" + std::to_string(i++) + extension;
+    writeBytes(name, bytes);
+    const LayeredImage image = decodeAny(extension, bytes);
+    EXPECT_EQ(sizeOfWholeImage(path(name)),
+              Vec2i(image.dataWindow.width(), image.dataWindow.height()))
+        << name;
+    // What is cut off is never taken for whole.
+    for (std::size_t length = 0; length < bytes.size(); ++length) {
+      writeBytes(name, Bytes(bytes.begin(), bytes.begin() + static_cast<long>(length)));
+      EXPECT_EQ(sizeOfWholeImage(path(name)), std::nullopt) << name << " cut at " << length;
+    }
+  }
+}
+
+TEST_F(ImageFile, LargeExrFilesAreWholeByTheirTable) {
+  for (const PixelPrecision precision : {PixelPrecision::Half, PixelPrecision::Float}) {
+    writeImage(path("large.exr"), ramp(61, 203), precision);
+    EXPECT_EQ(sizeOfWholeImage(path("large.exr")), Vec2i(61, 203));
+    const Bytes bytes = fileBytes(path("large.exr"));
+    writeBytes("large.exr", Bytes(bytes.begin(), bytes.end() - 1));
+    EXPECT_EQ(sizeOfWholeImage(path("large.exr")), std::nullopt);
+  }
+}
+
+/// 3 x 2 pixels of one half channel Y in two tiles of 2 x 2, not compressed.
+Bytes tiledExr() {
+  Bytes bytes;
+  const auto u32 = [&](std::uint32_t v) {
+    for (int i = 0; i < 4; ++i) bytes.push_back(static_cast<unsigned char>(v >> 8 * i));
+  };
+  const auto text = [&](const std::string& t) {
+    bytes.insert(bytes.end(), t.begin(), t.end());
+    bytes.push_back(0);
+  };
+  const auto attribute = [&](const char* name, const char* type, std::uint32_t size) {
+    text(name);
+    text(type);
+    u32(size);
+  };
+  const auto box = [&](const char* name) {
+    attribute(name, "box2i", 16);
+    for (const std::uint32_t v : {0u, 0u, 2u, 1u}) u32(v);
+  };
+  u32(0x01312f76);
+  u32(2 | 0x200);
+  attribute("channels", "chlist", 2 + 16 + 1);
+  text("Y");
+  for (const std::uint32_t v : {1u, 0u, 1u, 1u}) u32(v);
+  bytes.push_back(0);
+  attribute("compression", "compression", 1);
+  bytes.push_back(0);
+  box("dataWindow");
+  box("displayWindow");
+  attribute("lineOrder", "lineOrder", 1);
+  bytes.push_back(0);
+  attribute("pixelAspectRatio", "float", 4);
+  u32(std::bit_cast<std::uint32_t>(1.f));
+  attribute("screenWindowCenter", "v2f", 8);
+  u32(0);
+  u32(0);
+  attribute("screenWindowWidth", "float", 4);
+  u32(std::bit_cast<std::uint32_t>(1.f));
+  attribute("tiles", "tiledesc", 9);
+  u32(2);
+  u32(2);
+  bytes.push_back(0);
+  bytes.push_back(0);
+  const auto first = static_cast<std::uint32_t>(bytes.size()) + 2 * 8;
+  for (const std::uint32_t offset : {first, first + 20 + 8}) {
+    u32(offset);
+    u32(0);
+  }
+  for (const std::uint32_t x : {0u, 1u}) {  // the second tile is one pixel wide
+    for (const std::uint32_t v : {x, 0u, 0u, 0u, x == 0 ? 8u : 4u}) u32(v);
+    bytes.resize(bytes.size() + (x == 0 ? 8 : 4), 0x3c);
+  }
+  return bytes;
+}
+
+TEST_F(ImageFile, TiledExrFilesAreWholeByTheirTable) {
+  const Bytes bytes = tiledExr();
+  writeBytes("tiled.exr", bytes);
+  EXPECT_EQ(readImage(path("tiled.exr")).width, 3);
+  EXPECT_EQ(sizeOfWholeImage(path("tiled.exr")), Vec2i(3, 2));
+  for (std::size_t length = 0; length < bytes.size(); ++length) {
+    writeBytes("tiled.exr", Bytes(bytes.begin(), bytes.begin() + static_cast<long>(length)));
+    EXPECT_EQ(sizeOfWholeImage(path("tiled.exr")), std::nullopt) << length;
+  }
+}
+
+TEST_F(ImageFile, DoubtfulFilesAreLeftToTheReader) {
+  for (const char* name : {"none.png", "none", "a.bmp"})
+    EXPECT_EQ(sizeOfWholeImage(path(name)), std::nullopt) << name;
+  writeBytes("empty.exr", {});
+  EXPECT_EQ(sizeOfWholeImage(path("empty.exr")), std::nullopt);
+  fs::create_directory(path("folder.png"));
+  EXPECT_EQ(sizeOfWholeImage(path("folder.png")), std::nullopt);
+  // A pipe can be read once only.
+  ASSERT_EQ(::mkfifo(path("pipe.png").c_str(), 0600), 0);
+  EXPECT_EQ(sizeOfWholeImage(path("pipe.png")), std::nullopt);
+  // Of another kind than the name says; without colour.
+  writeImage(path("a.pfm"), ramp(3, 2));
+  fs::rename(path("a.pfm"), path("a.exr"));
+  EXPECT_EQ(sizeOfWholeImage(path("a.exr")), std::nullopt);
+  LayeredImage depth;
+  depth.displaySize = {2, 1};
+  depth.dataWindow = {{0, 0}, {2, 1}};
+  depth.channels = {{"Z", {1.f, 2.f}}};
+  writeImage(path("z.exr"), depth);
+  EXPECT_EQ(sizeOfWholeImage(path("z.exr")), std::nullopt);
+}
+
+TEST_F(ImageFile, FlippedBitsNeverChangeTheSizeThatTheHeadTells) {
+  int whole = 0;
+  for (const auto& [extension, original] : smallFiles(directory_.string()))
+    for (std::size_t bit = 0; bit < 8 * original.size(); bit += 3) {
+      Bytes bytes = original;
+      bytes[bit / 8] = static_cast<unsigned char>(bytes[bit / 8] ^ (1u << bit % 8));
+      writeBytes("flipped" + extension, bytes);
+      const auto size = sizeOfWholeImage(path("flipped" + extension));
+      if (!size) continue;
+      ++whole;
+      try {
+        const Bounds2i window = decodeAny(extension, bytes).dataWindow;
+        EXPECT_EQ(*size, Vec2i(window.width(), window.height())) << extension << " bit " << bit;
+      } catch (const SceneError&) {  // found at the first lookup
+      }
+    }
+  EXPECT_GT(whole, 100);
 }
 
 TEST_F(ImageFile, FlippedBitsNeverCrash) {

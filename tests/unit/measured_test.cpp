@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "core/deferred.h"
 #include "core/file_cache.h"
 #include "core/rng.h"
 #include "core/spectrum.h"
@@ -33,6 +34,15 @@ std::unique_ptr<Material> load(const std::string& path, FileCache* files = nullp
   return make<Material>("measured", {string("filename", path)}, context);
 }
 
+/// A point whose frame is the axes: no rounding between render and local space.
+SurfaceInteraction axesPoint() {
+  SurfaceInteraction at;
+  at.shading.dpdu = {1, 0, 0};
+  at.shading.dpdv = {0, 1, 0};
+  return at;
+}
+
+/// What is said when the material is made.
 std::string errorOf(const std::string& path, FileCache* files = nullptr) {
   try {
     load(path, files);
@@ -41,13 +51,16 @@ std::string errorOf(const std::string& path, FileCache* files = nullptr) {
   }
   return "no error";
 }
-
-/// A point whose frame is the axes: no rounding between render and local space.
-SurfaceInteraction axesPoint() {
-  SurfaceInteraction at;
-  at.shading.dpdu = {1, 0, 0};
-  at.shading.dpdv = {0, 1, 0};
-  return at;
+/// What is said when a material that could be made is looked up.
+std::string lateErrorOf(const std::string& path) {
+  const std::unique_ptr<Material> material = load(path);
+  Bsdf bsdf;
+  try {
+    material->evaluate(axesPoint(), bsdf);
+  } catch (const SceneError& e) {
+    return e.what();
+  }
+  return "no error";
 }
 
 // --- MERL ----------------------------------------------------------------------------------------
@@ -148,9 +161,14 @@ TEST_F(MerlTest, SharesTheTableOfAFile) {
   const std::string path = tempPath("shared.merl");
   write(path, *bytes_);
   FileCache files;
-  const std::unique_ptr<Material> first = load(path, &files);
+  const std::unique_ptr<Material> first = load(path, &files), second = load(path, &files);
+  EXPECT_EQ(DeferredFiles::of(files).count().unread, 1u);
+  Bsdf bsdf;
+  first->evaluate(axesPoint(), bsdf);
+  EXPECT_EQ(DeferredFiles::of(files).count().read, 1u);
   std::filesystem::remove(path);
-  EXPECT_EQ(errorOf(path, &files), "no error");  // the file is not read again
+  EXPECT_NO_THROW(second->evaluate(axesPoint(), bsdf)) << "the file is not read again";
+  EXPECT_EQ(errorOf(path, &files), "no error");
   EXPECT_THAT(errorOf(path), HasSubstr("no such file"));
 }
 
@@ -163,7 +181,11 @@ TEST_F(MerlTest, RefusesWhatIsNoMerlFile) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   std::string broken = *bytes_;
   std::memcpy(broken.data() + 12 + 8 * 5, &nan, sizeof nan);
-  EXPECT_THAT(errorWith(broken), HasSubstr("holds the value nan at byte 52"));
+  // The head is right, so this shows when a ray meets the material.
+  const std::string path = tempPath("broken.merl");
+  write(path, broken);
+  EXPECT_THAT(lateErrorOf(path), HasSubstr("holds the value nan at byte 52"));
+  std::filesystem::remove(path);
   EXPECT_THAT(errorOf(tempPath("absent.binary")), HasSubstr("no such file"));
   EXPECT_THROW(make<Material>("measured", {}), SceneError);
 }
@@ -202,6 +224,8 @@ std::vector<TextSample> randomSamples(int n, float maxTheta) {
 std::unique_ptr<Material> loadText(const std::string& name, const std::string& text) {
   write(tempPath(name), text);
   std::unique_ptr<Material> material = load(tempPath(name));
+  Bsdf bsdf;
+  material->evaluate(axesPoint(), bsdf);  // a long text is read now
   std::filesystem::remove(tempPath(name));
   return material;
 }
@@ -277,6 +301,21 @@ TEST(IrregularBrdf, OfEqualSamplesIsConstant) {
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(albedo[c], expected[c] * kPi, 1e-4);
     EXPECT_GT(chiSquareOfSampling(bsdf, wo, 20000), 1e-4);
   }
+}
+
+TEST(IrregularBrdf, LongTextsAreReadAtTheFirstLookup) {
+  const std::string path = tempPath("long.brdf"), text = brdfText(randomSamples(3000, 1.5f));
+  ASSERT_GT(text.size(), std::size_t{1} << 17);
+  write(path, text);
+  EXPECT_EQ(lateErrorOf(path), "no error");
+  write(path, text + " .5");
+  EXPECT_THAT(lateErrorOf(path), HasSubstr("is cut short or has numbers to spare"));
+  // What is wrong at the beginning shows at once.
+  write(path, "0 " + text);
+  EXPECT_THAT(errorOf(path), HasSubstr("the number of wavelengths must be an integer"));
+  write(path, "x" + text);
+  EXPECT_THAT(errorOf(path), HasSubstr("other than a number in line 1"));
+  std::filesystem::remove(path);
 }
 
 TEST(IrregularBrdf, RefusesBrokenFiles) {

@@ -6,9 +6,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstring>
+
 #include "core/medium_along_ray.h"
 #include "support/render_text.h"
+#include "support/run_program.h"
 #include "support/volumes.h"
+#include "tools/child_process.h"
 
 namespace brume {
 namespace {
@@ -54,6 +58,81 @@ TEST(Plan, TexturesThatNoSurfaceUsesAreNotLoaded) {
   EXPECT_THAT(r.plan, Contains("skip  1 texture: used by no surface, so not loaded"));
   EXPECT_THAT(r.plan, Contains("skip  1 material: used by no surface"));
   EXPECT_THAT(r.plan, Contains(HasSubstr("skip  ray footprints")));
+}
+
+/// A folder with an image that takes 64 MiB of memory, and a measured BRDF.
+class PlanOfFiles : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = new test::TemporaryFolder;
+    RgbImage image(2048, 2048);
+    for (Rgb& pixel : image.pixels) pixel = Rgb(.5f);
+    writeImage(path("wide.exr"), image);
+    std::string merl(12 + std::size_t{90} * 90 * 180 * 24, '\0');
+    const std::int32_t dims[] = {90, 90, 180};
+    std::memcpy(merl.data(), dims, sizeof dims);
+    folder_->write("black.binary", merl);
+  }
+  static void TearDownTestSuite() { delete folder_; }
+  static std::string path(const std::string& name) { return (folder_->path() / name).string(); }
+  /// A disk of each material, and a ball.
+  static std::string world(const std::string& place) {
+    return kLamp + kBall + "Texture \"t\" \"color\" \"imagemap\" \"string filename\" \"" +
+           path("wide.exr") + "\"\nMaterial \"matte\" \"texture Kd\" \"t\"\n" + place +
+           "Shape \"disk\" \"float radius\" .1\nMaterial \"measured\" \"string filename\" \"" +
+           path("black.binary") + "\"\nTranslate .3 0 0 Shape \"disk\" \"float radius\" .1\n";
+  }
+
+ private:
+  static inline test::TemporaryFolder* folder_ = nullptr;
+};
+
+TEST_F(PlanOfFiles, TexturesAndMaterialsThatNoRayMeetsAreNotRead) {
+  Log log({Verbosity::Normal, false, true});
+  const auto job = makeJob(kOptions + world("Translate 0 0 -9 ") + "WorldEnd\n", {}, log);
+  const std::string all = " 2 files of textures and materials: ";
+  EXPECT_THAT(job->plan(),
+              Contains("build" + all + "read when a ray first meets them, 80.7 MiB if it does"));
+  const std::atomic<bool> stop{false};
+  const RenderResult behind = job->run(stop, {});
+  EXPECT_EQ(job->files().read, 0u);
+  EXPECT_EQ(job->files().unread, 2u);
+  EXPECT_THAT(job->plan(), Contains("skip " + all + "no ray met them, 80.7 MiB are not taken"));
+  EXPECT_THAT(behind.image.metadata.at("brume:plan"), HasSubstr("no ray met them"));
+
+  // In view both are read, and by nothing else.
+  const auto seen = makeJob(kOptions + world("Translate -.8 1.3 -1 ") + "WorldEnd\n", {}, log);
+  EXPECT_EQ(seen->files().read, 0u);
+  const RenderResult result = seen->run(stop, {});
+  EXPECT_EQ(seen->files().read, 2u);
+  EXPECT_EQ(seen->files().unread, 0u);
+  EXPECT_THAT(seen->plan(), Contains("build" + all + "read"));
+  EXPECT_NE(result.image.channels.at("R"), behind.image.channels.at("R"));
+}
+
+TEST_F(PlanOfFiles, ReadingLateChangesNoPixel) {
+  const std::string text = kOptions + world("Translate -.8 1.3 -1 ") + "WorldEnd\n";
+  Log log({Verbosity::Normal, false, true});
+  const std::atomic<bool> stop{false};
+  const auto late = makeJob(text, {}, log), early = makeJob(text, {}, log);
+  early->readAllFiles();
+  EXPECT_EQ(early->files().read, 2u);
+  EXPECT_EQ(early->run(stop, {}).image.channels, late->run(stop, {}).image.channels);
+}
+
+TEST_F(PlanOfFiles, NotReadingTakesNoLongerThanReading) {
+  const std::string text = kOptions + world("Translate 0 0 -9 ") + "WorldEnd\n";
+  Log log({Verbosity::Normal, false, true});
+  const std::atomic<bool> stop{false};
+  const auto timeOf = [&](bool readsAll) {
+    const double begin = processorSeconds();
+    const auto job = makeJob(text, {}, log);
+    if (readsAll) job->readAllFiles();
+    job->run(stop, {});
+    return processorSeconds() - begin;
+  };
+  // The render takes some 10 ms, the files some 500.
+  EXPECT_LT(5 * timeOf(false), timeOf(true));
 }
 
 TEST(Plan, ObjectsThatAreNotInstancedAreNotBuilt) {

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <filesystem>
+#include <fstream>
+#include <thread>
 
+#include "core/deferred.h"
 #include "core/file_cache.h"
 #include "core/io/image.h"
 #include "core/noise.h"
@@ -313,28 +317,72 @@ TEST_F(ImageMap, RowOrderScaleAndGamma) {
   EXPECT_FLOAT_EQ(grey->evaluate(low), std::pow(2 * Rgb(.4f, .5f, .6f).luminance(), 3.f));
 }
 
+/// Textures of one file with different scales, in one scene.
+class TexturesOfAScene {
+ public:
+  std::unique_ptr<Texture<Rgb>> make(const std::string& file, float scale) {
+    TextureFactoryContext context;
+    context.files = &files_;
+    return makeRgb("imagemap", {string("filename", file), floats("scale", {scale})}, context);
+  }
+  DeferredCounts count() { return DeferredFiles::of(files_).count(); }
+
+ private:
+  FileCache files_;
+};
+
 TEST_F(ImageMap, TexturesOfOneFileShareIt) {
   RgbImage image(1, 1);
   image.pixels = {Rgb(.25f)};
   writeImage(path("one.exr"), image);
-  FileCache files;
-  TextureFactoryContext context;
-  context.files = &files;
-  const auto textureOf = [&](float scale) {
-    return makeRgb("imagemap", {string("filename", path("one.exr")), floats("scale", {scale})},
-                   context);
-  };
-  const auto first = textureOf(1);
-  EXPECT_EQ(files.size(), 2u);  // the image and its pyramid
-  std::filesystem::remove(path("one.exr"));
-  const auto second = textureOf(1), scaled = textureOf(2);  // the file is not read again
-  EXPECT_EQ(files.size(), 3u);
-  files.drop<RgbImage>();
-  EXPECT_EQ(files.size(), 2u);
+  TexturesOfAScene scene;
+  const auto first = scene.make(path("one.exr"), 1), same = scene.make(path("one.exr"), 1),
+             scaled = scene.make(path("one.exr"), 2);
+  EXPECT_EQ(scene.count().unread, 1u);
+  EXPECT_EQ(scene.count().bytesUnread, 2 * 16.);  // two pyramids of a texel, and a third of it
   EXPECT_EQ(first->evaluate({}), Rgb(.25f));
-  EXPECT_EQ(second->evaluate({}), Rgb(.25f));
+  std::filesystem::remove(path("one.exr"));  // it is not read again
+  EXPECT_EQ(same->evaluate({}), Rgb(.25f));
   EXPECT_EQ(scaled->evaluate({}), Rgb(.5f));
-  EXPECT_THROW(textureOf(3), SceneError);
+  EXPECT_EQ(scene.count().read, 1u);
+  EXPECT_EQ(scene.count().bytesUnread, 0);
+}
+
+TEST_F(ImageMap, FilesAreReadAtTheFirstLookup) {
+  RgbImage image(64, 64);
+  for (Rgb& pixel : image.pixels) pixel = Rgb(.5f);
+  for (const char* name : {"a.exr", "a.pfm", "a.png", "a.tga"}) {
+    writeImage(path(name), image);
+    TexturesOfAScene scene;
+    const auto unused = scene.make(path(name), 1), used = scene.make(path(name), 2);
+    EXPECT_EQ(scene.count().unread, 1u) << name;
+    // Whole as it was when the scene was read; now it is gone.
+    std::filesystem::remove(path(name));
+    for (int i = 0; i < 2; ++i) try {
+        used->evaluate({});
+        ADD_FAILURE() << name;
+      } catch (const SceneError& error) {
+        EXPECT_THAT(error.what(), HasSubstr("no such file")) << "the same error at every lookup";
+      }
+    EXPECT_EQ(scene.count().unread, 1u);
+  }
+}
+
+TEST_F(ImageMap, PipesAreReadAtOnce) {
+  RgbImage image(1, 1);
+  image.pixels = {Rgb(.25f)};
+  writeImage(path("one.pfm"), image);
+  ASSERT_EQ(::mkfifo(path("pipe.pfm").c_str(), 0600), 0);
+  std::thread writer([&] {
+    std::ofstream(path("pipe.pfm"), std::ios::binary)
+        << std::ifstream(path("one.pfm"), std::ios::binary).rdbuf();
+  });
+  TexturesOfAScene scene;
+  const auto texture = scene.make(path("pipe.pfm"), 1), scaled = scene.make(path("pipe.pfm"), 2);
+  writer.join();
+  EXPECT_EQ(scene.count().read, 1u);
+  EXPECT_EQ(texture->evaluate({}), Rgb(.25f));
+  EXPECT_EQ(scaled->evaluate({}), Rgb(.5f));
 }
 
 TEST_F(ImageMap, FiltersOverTheFootprint) {

@@ -6,11 +6,13 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <utility>
 
 #include "core/error.h"
 
@@ -87,6 +89,39 @@ Bytes readFileBytes(const std::string& path, std::uint64_t limit) {
     if (size > limit) throw tooLarge(static_cast<double>(size));
   }
   bytes.resize(size);
+  return bytes;
+}
+
+std::optional<FilePieces> FilePieces::open(const std::string& path) {
+  // A pipe is not even opened: its writer would think that it has a reader.
+  struct stat info {};
+  if (::stat(path.c_str(), &info) != 0 || !S_ISREG(info.st_mode)) return std::nullopt;
+  FilePieces file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK), 0);
+  if (file.descriptor_ < 0 || ::fstat(file.descriptor_, &info) != 0 || !S_ISREG(info.st_mode))
+    return std::nullopt;
+  file.size_ = static_cast<std::uint64_t>(info.st_size);
+  return file;
+}
+
+FilePieces::FilePieces(FilePieces&& o) noexcept
+    : descriptor_(std::exchange(o.descriptor_, -1)), size_(o.size_) {}
+
+FilePieces::~FilePieces() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+Bytes FilePieces::read(std::uint64_t offset, std::size_t count) const {
+  if (offset >= size_) return {};
+  Bytes bytes(static_cast<std::size_t>(std::min<std::uint64_t>(count, size_ - offset)));
+  std::size_t got = 0;
+  while (got < bytes.size()) {
+    const ssize_t n = ::pread(descriptor_, bytes.data() + got, bytes.size() - got,
+                              static_cast<off_t>(offset + got));
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) break;
+    got += static_cast<std::size_t>(n);
+  }
+  bytes.resize(got);
   return bytes;
 }
 

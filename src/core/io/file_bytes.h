@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -16,6 +17,25 @@ using ByteSpan = std::span<const unsigned char>;
 /// The bytes of a regular file (or a pipe) of at most `limit` bytes. Throws SceneError with the
 /// reason; for a missing file it names the nearest spelling in the same directory.
 Bytes readFileBytes(const std::string& path, std::uint64_t limit);
+
+/// A regular file that is read by pieces.
+class FilePieces {
+ public:
+  /// None when there is no such file, it cannot be read or is not a regular one.
+  static std::optional<FilePieces> open(const std::string& path);
+  FilePieces(FilePieces&& o) noexcept;
+  FilePieces& operator=(FilePieces&&) = delete;
+  ~FilePieces();
+
+  std::uint64_t size() const { return size_; }
+  /// `count` bytes from `offset` on; fewer where the file ends, or cannot be read.
+  Bytes read(std::uint64_t offset, std::size_t count) const;
+
+ private:
+  FilePieces(int descriptor, std::uint64_t size) : descriptor_(descriptor), size_(size) {}
+  int descriptor_;
+  std::uint64_t size_;
+};
 
 /// A file that is written beside its final place and renamed into it by commit(); without commit()
 /// nothing remains. A symbolic link is followed, so that its target is replaced.

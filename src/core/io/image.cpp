@@ -3,53 +3,24 @@
 
 #include <fmt/format.h>
 
-#include <array>
-#include <cctype>
 #include <cstring>
 #include <filesystem>
 
 #include "core/io/exr_file.h"
 #include "core/io/file_bytes.h"
+#include "core/io/image_format.h"
 #include "core/io/pfm_file.h"
 #include "core/io/stb_image_file.h"
 
 namespace brume {
 namespace {
 
-enum class Format { Exr, Pfm, Png, Tga, Jpeg, Hdr, Unknown };
-
-struct Extension {
-  const char* text;
-  Format format;
-  bool isWritable;
-};
-constexpr std::array<Extension, 7> kExtensions{{{".exr", Format::Exr, true},
-                                                {".png", Format::Png, true},
-                                                {".pfm", Format::Pfm, true},
-                                                {".tga", Format::Tga, true},
-                                                {".jpg", Format::Jpeg, false},
-                                                {".jpeg", Format::Jpeg, false},
-                                                {".hdr", Format::Hdr, false}}};
-
-std::string extensionOf(const std::string& path) {
-  std::string text = std::filesystem::path(path).extension().string();
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
-
-const Extension* findExtension(const std::string& path) {
-  const std::string text = extensionOf(path);
-  for (const Extension& e : kExtensions)
-    if (text == e.text) return &e;
-  return nullptr;
-}
-
 /// "unknown image format '.bpm' (did you mean ...); the known are ..."
 std::string unknownFormatText(const std::string& path, bool forWriting) {
   std::vector<std::string> known;
-  for (const Extension& e : kExtensions)
+  for (const ImageExtension& e : kImageExtensions)
     if (e.isWritable || !forWriting) known.emplace_back(e.text);
-  const std::string text = extensionOf(path);
+  const std::string text = imageExtensionOf(path);
   return fmt::format("{}{}; brume {} {}",
                      text.empty() ? std::string("the name has no extension")
                                   : fmt::format("unknown image format '{}'", text),
@@ -57,8 +28,8 @@ std::string unknownFormatText(const std::string& path, bool forWriting) {
                      listChoices(known));
 }
 
-RgbImage decodeRgb(Format format, ByteSpan bytes) {
-  return format == Format::Pfm ? decodePfm(bytes) : decodeStbImage(bytes);
+RgbImage decodeRgb(ImageFormat format, ByteSpan bytes) {
+  return format == ImageFormat::Pfm ? decodePfm(bytes) : decodeStbImage(bytes);
 }
 
 LayeredImage toLayered(const RgbImage& image) {
@@ -78,7 +49,7 @@ LayeredImage toLayered(const RgbImage& image) {
 /// reason" at `where`.
 template <class Decode>
 auto readWith(const std::string& path, const SourceLocation& where, const Decode& decode) {
-  const Extension* extension = findExtension(path);
+  const ImageExtension* extension = findImageExtension(path);
   if (!extension)
     throw SceneError(
         where, fmt::format("cannot read image '{}': {}", path, unknownFormatText(path, false)));
@@ -103,10 +74,10 @@ bool isColorChannel(const std::string& name) {
 }
 
 RgbImage readRgb(const std::string& path, const SourceLocation& where, bool textureOrder) {
-  return readWith(path, where, [&](Format format, ByteSpan bytes) {
-    RgbImage image = format == Format::Exr ? toRgbImage(decodeExr(bytes, path, isColorChannel))
-                                           : decodeRgb(format, bytes);
-    if (textureOrder && format != Format::Exr)
+  return readWith(path, where, [&](ImageFormat format, ByteSpan bytes) {
+    RgbImage image = format == ImageFormat::Exr ? toRgbImage(decodeExr(bytes, path, isColorChannel))
+                                                : decodeRgb(format, bytes);
+    if (textureOrder && format != ImageFormat::Exr)
       for (int low = 0, high = image.height - 1; low < high; ++low, --high)
         std::swap_ranges(&image.at(0, low), &image.at(0, low) + image.width, &image.at(0, high));
     return image;
@@ -116,8 +87,8 @@ RgbImage readRgb(const std::string& path, const SourceLocation& where, bool text
 }  // namespace
 
 LayeredImage readLayeredImage(const std::string& path, const SourceLocation& where) {
-  return readWith(path, where, [&](Format format, ByteSpan bytes) {
-    if (format == Format::Exr) return decodeExr(bytes, path, [](const auto&) { return true; });
+  return readWith(path, where, [&](ImageFormat format, ByteSpan bytes) {
+    if (format == ImageFormat::Exr) return decodeExr(bytes, path, [](const auto&) { return true; });
     return toLayered(decodeRgb(format, bytes));
   });
 }
@@ -145,20 +116,20 @@ RgbImage toRgbImage(const LayeredImage& image) {
 }
 
 void writeImage(const std::string& path, const LayeredImage& image, PixelPrecision precision) {
-  const Extension* extension = findExtension(path);
+  const ImageExtension* extension = findImageExtension(path);
   if (!extension || !extension->isWritable)
     throw SceneError(
         fmt::format("cannot write image '{}': {}", path, unknownFormatText(path, true)));
   if (image.dataWindow.area() == 0)
     throw SceneError(fmt::format("cannot write image '{}': it has no pixels", path));
   AtomicFile file(path);
-  if (extension->format == Format::Exr) {
+  if (extension->format == ImageFormat::Exr) {
     writeExr(file, image, precision);
   } else {
     const RgbImage rgb = toRgbImage(image);
-    const Bytes bytes = extension->format == Format::Pfm   ? encodePfm(rgb)
-                        : extension->format == Format::Png ? encodePng(rgb)
-                                                           : encodeTga(rgb);
+    const Bytes bytes = extension->format == ImageFormat::Pfm   ? encodePfm(rgb)
+                        : extension->format == ImageFormat::Png ? encodePng(rgb)
+                                                                : encodeTga(rgb);
     file.write(bytes.data(), bytes.size());
   }
   file.commit();
@@ -169,7 +140,7 @@ void writeImage(const std::string& path, const RgbImage& image, PixelPrecision p
 }
 
 bool isWritableImageName(const std::string& path) {
-  const Extension* extension = findExtension(path);
+  const ImageExtension* extension = findImageExtension(path);
   return extension && extension->isWritable;
 }
 

@@ -160,4 +160,112 @@ void checkIntegrity(StbFormat format, ByteSpan bytes) {
   }
 }
 
+double maxCompression(StbFormat format) {
+  constexpr double kFloatPerByte = 4;  // decoded by the library to 8 bits a channel, then widened
+  switch (format) {
+    case StbFormat::Png:
+      return kFloatPerByte * 1032 * 24;  // deflate on 1-bit pixels, decoded to 3 bytes each
+    case StbFormat::Jpeg:
+      return kFloatPerByte * 8192;  // a flat 8x8 block of 192 bytes in a few bits
+    case StbFormat::Tga:
+      return kFloatPerByte * 3 * 64;  // runs of 128 pixels in 2 bytes
+    case StbFormat::Hdr:
+      return kFloatPerByte * 3 * 64;
+  }
+  return 1;
+}
+
+namespace {
+
+/// The first chunk of a PNG file.
+std::optional<Vec2i> pngSize(ByteSpan head) {
+  constexpr std::size_t kHeaderEnd = 8 + 12 + 13;
+  if (head.size() < kHeaderEnd || bigEndian32(head.subspan(8)) != 13 ||
+      !startsWith(head.subspan(12), "IHDR"))
+    return std::nullopt;
+  const ByteSpan data = head.subspan(16);
+  const int bits = data[8], colour = data[9];
+  const bool isUsual = (bits == 1 || bits == 2 || bits == 4 || bits == 8 || bits == 16) &&
+                       (colour == 0 || colour == 2 || colour == 3 || colour == 4 || colour == 6) &&
+                       data[10] == 0 && data[11] == 0 && data[12] <= 1;
+  const std::uint32_t width = bigEndian32(data), height = bigEndian32(data.subspan(4));
+  if (!isUsual || width > kMaxImageSide || height > kMaxImageSide) return std::nullopt;
+  return Vec2i(static_cast<int>(width), static_cast<int>(height));
+}
+
+/// The frame segment of a JPEG file: baseline, extended or progressive, 8 bits, grey or colour.
+std::optional<Vec2i> jpegSize(ByteSpan head) {
+  const auto u16 = [&](std::size_t i) { return int{head[i]} << 8 | head[i + 1]; };
+  for (std::size_t at = 2; at + 10 <= head.size();) {
+    if (head[at] != 0xff) return std::nullopt;
+    const unsigned char marker = head[at + 1];
+    if (marker == 0xff) {
+      ++at;  // fill bytes
+      continue;
+    }
+    if (marker >= 0xc0 && marker <= 0xc2) {
+      const int bits = head[at + 4], channels = head[at + 9];
+      if (bits != 8 || (channels != 1 && channels != 3)) return std::nullopt;
+      return Vec2i(u16(at + 7), u16(at + 5));
+    }
+    // Tables and comments go before the frame, nothing else.
+    const bool isSegment = marker == 0xc4 || marker == 0xdb || marker == 0xdd || marker >= 0xe0;
+    if (!isSegment) return std::nullopt;
+    at += 2 + static_cast<std::size_t>(u16(at + 2));
+  }
+  return std::nullopt;
+}
+
+std::optional<Vec2i> hdrSize(ByteSpan head) {
+  try {
+    std::size_t at = 0;
+    while (!nextLine(head, at).empty()) {
+    }
+    int width = 0, height = 0;
+    const std::string resolution(nextLine(head, at));
+    if (std::sscanf(resolution.c_str(), "-Y %d +X %d", &height, &width) == 2)
+      return Vec2i(width, height);
+  } catch (const SceneError&) {
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<Vec2i> sizeInHead(StbFormat format, ByteSpan head) {
+  switch (format) {
+    case StbFormat::Png:
+      return pngSize(head);
+    case StbFormat::Jpeg:
+      return jpegSize(head);
+    case StbFormat::Tga:
+      if (!isPlausibleTga(head)) return std::nullopt;
+      return Vec2i(static_cast<int>(readTgaHeader(head).width),
+                   static_cast<int>(readTgaHeader(head).height));
+    case StbFormat::Hdr:
+      return hdrSize(head);
+  }
+  return std::nullopt;
+}
+
+bool hasProperEnd(StbFormat format, ByteSpan head, ByteSpan tail, std::uint64_t fileBytes) {
+  const auto endsWith = [&](std::string_view text) {
+    return tail.size() >= text.size() && startsWith(tail.last(text.size()), text);
+  };
+  switch (format) {
+    case StbFormat::Png:
+      return endsWith(std::string_view("\0\0\0\0IEND\xae\x42\x60\x82", 12));
+    case StbFormat::Jpeg:
+      return endsWith("\xff\xd9");
+    case StbFormat::Tga: {
+      const TgaHeader h = readTgaHeader(head);
+      const std::uint64_t pixels = std::uint64_t{h.width} * h.height;
+      return h.imageType < 8 && fileBytes >= h.pixelStart() + pixels * ((h.bits + 7) / 8);
+    }
+    case StbFormat::Hdr:
+      break;
+  }
+  return false;
+}
+
 }  // namespace brume

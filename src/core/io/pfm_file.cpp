@@ -43,9 +43,15 @@ float loadFloat(const unsigned char* bytes, bool swapped) {
   return std::bit_cast<float>(bits);
 }
 
-}  // namespace
+struct PfmHeader {
+  std::size_t channels, width, height;
+  float scale;
+  std::size_t pixelStart;
+  std::size_t pixelBytes() const { return 4 * channels * width * height; }
+};
 
-RgbImage decodePfm(ByteSpan bytes) {
+/// The header of a file of that length, which `bytes` are the first of.
+PfmHeader readPfmHeader(ByteSpan bytes, std::uint64_t fileBytes) {
   if (bytes.size() < 3 || bytes[0] != 'P' || (bytes[1] != 'F' && bytes[1] != 'f') ||
       !isSpace(bytes[2]))
     throw SceneError("not a PFM file");
@@ -56,16 +62,33 @@ RgbImage decodePfm(ByteSpan bytes) {
   const auto scale = number<float>(nextWord(bytes, position), "scale");
   if (!std::isfinite(scale) || scale == 0.f)
     throw SceneError("PFM header: the scale is 0 or not finite");
-  checkImageSize(width, height, sizeof(Rgb), bytes.size(), 3);
+  checkImageSize(width, height, sizeof(Rgb), fileBytes, 3);
+  return {channels, static_cast<std::size_t>(width), static_cast<std::size_t>(height), scale,
+          position};
+}
 
-  const auto w = static_cast<std::size_t>(width), h = static_cast<std::size_t>(height);
-  const std::size_t needed = 4 * channels * w * h;
-  if (bytes.size() - position < needed)
+}  // namespace
+
+std::optional<Vec2i> sizeOfWholePfm(ByteSpan head, std::uint64_t fileBytes) {
+  try {
+    const PfmHeader h = readPfmHeader(head, fileBytes);
+    if (fileBytes < h.pixelStart + h.pixelBytes()) return std::nullopt;
+    return Vec2i(static_cast<int>(h.width), static_cast<int>(h.height));
+  } catch (const SceneError&) {
+    return std::nullopt;
+  }
+}
+
+RgbImage decodePfm(ByteSpan bytes) {
+  const PfmHeader header = readPfmHeader(bytes, bytes.size());
+  const std::size_t w = header.width, h = header.height, channels = header.channels;
+  const std::size_t position = header.pixelStart;
+  if (bytes.size() - position < header.pixelBytes())
     throw SceneError(fmt::format("truncated PFM file: {} bytes of pixels instead of {}",
-                                 bytes.size() - position, needed));
-  const bool swapped = (scale < 0.f) != (std::endian::native == std::endian::little);
-  const float factor = std::abs(scale);
-  RgbImage image(static_cast<int>(width), static_cast<int>(height));
+                                 bytes.size() - position, header.pixelBytes()));
+  const bool swapped = (header.scale < 0.f) != (std::endian::native == std::endian::little);
+  const float factor = std::abs(header.scale);
+  RgbImage image(static_cast<int>(w), static_cast<int>(h));
   for (std::size_t row = 0; row < h; ++row) {
     const unsigned char* source = bytes.data() + position + 4 * channels * w * (h - 1 - row);
     Rgb* target = image.pixels.data() + row * w;

@@ -3,6 +3,8 @@
 // bottom.
 #pragma once
 
+#include <optional>
+
 #include "core/io/file_bytes.h"
 #include "core/io/image.h"
 
@@ -11,6 +13,8 @@ namespace brume {
 /// Values times |scale|; a one-channel map gives equal channels. Throws SceneError with the reason,
 /// without the name of the file.
 RgbImage decodePfm(ByteSpan bytes);
+/// Width and height of a file of that length that holds all its pixels, by its first bytes.
+std::optional<Vec2i> sizeOfWholePfm(ByteSpan head, std::uint64_t fileBytes);
 /// Three channels, little endian, scale 1.
 Bytes encodePfm(const RgbImage& image);
 

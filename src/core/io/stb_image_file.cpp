@@ -29,21 +29,6 @@ namespace {
 
 static_assert(STBI_MAX_DIMENSIONS == kMaxImageSide);
 
-/// Decoded RGB bytes per byte of the file.
-double maxCompression(StbFormat format) {
-  switch (format) {
-    case StbFormat::Png:
-      return 1032 * 24;  // deflate on 1-bit pixels, decoded to 3 bytes each
-    case StbFormat::Jpeg:
-      return 8192;  // a flat 8x8 block of 192 bytes in a few bits
-    case StbFormat::Tga:
-      return 3 * 64;  // runs of 128 pixels in 2 bytes
-    case StbFormat::Hdr:
-      return 3 * 64;
-  }
-  return 1;
-}
-
 struct StbFree {
   void operator()(void* pixels) const { stbi_image_free(pixels); }
 };
@@ -96,8 +81,7 @@ RgbImage decodeStbImage(ByteSpan bytes) {
   checkIntegrity(format, bytes);
   if (!stbi_info_from_memory(bytes.data(), size, &width, &height, &components))
     throw SceneError(fmt::format("corrupt image file: {}", stbi_failure_reason()));
-  checkImageSize(width, height, sizeof(Rgb), bytes.size(),
-                 maxCompression(format) * sizeof(Rgb) / 3);
+  checkImageSize(width, height, sizeof(Rgb), bytes.size(), maxCompression(format));
 
   int n = 0;
   const unsigned char* data = bytes.data();
