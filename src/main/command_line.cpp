@@ -283,7 +283,7 @@ RegressCommand readRegress(const RegressWords& words) {
 
 const char* const kExitCodes =
     "Exit codes: 0 done, 1 something in the scene or the options is wrong (or a limit of diff is "
-    "passed),\n2 brume itself failed, 130 and 143 interrupted (what was rendered is written).";
+    "passed),\n2 brume itself failed, 129, 130 and 143 interrupted (what was rendered is written).";
 
 }  // namespace
 

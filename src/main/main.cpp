@@ -57,10 +57,21 @@ int run(const RegressCommand& command) {
 int run(const BenchCommand& command) {
   const StopOnSignal signals;
   const BenchOutcome outcome = bench(command.options, signals.stop(), [&](const std::string& line) {
-    if (!command.isQuiet || line.starts_with("FAILED")) std::fprintf(stderr, "%s\n", line.c_str());
+    const bool isWanted =
+        !command.isQuiet || line.starts_with("FAILED") || line.starts_with("interrupted");
+    if (isWanted) std::fprintf(stderr, "%s\n", line.c_str());
   });
-  if (outcome == BenchOutcome::Interrupted) return 128 + StopOnSignal::received();
-  return outcome == BenchOutcome::Done ? kExitDone : kExitUser;
+  switch (outcome) {
+    case BenchOutcome::Done:
+      return kExitDone;
+    case BenchOutcome::SomeFailed:
+      return kExitUser;
+    case BenchOutcome::SomeFaulty:
+      return kExitInternal;
+    case BenchOutcome::Interrupted:
+      break;
+  }
+  return 128 + StopOnSignal::received();
 }
 
 int run(const ShowText& show) {

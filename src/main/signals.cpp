@@ -11,9 +11,13 @@ std::atomic<bool> stopRequested{false};
 std::atomic<int> signalReceived{0};
 static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free);
 
-void setHandlers(void (*handler)(int)) {
+using Handler = void (*)(int);
+
+void setHandlers(Handler handler) {
   std::signal(SIGINT, handler);
   std::signal(SIGTERM, handler);
+  // Whoever has it ignored (nohup) wants the render to outlive the terminal.
+  if (std::signal(SIGHUP, handler) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);
 }
 
 extern "C" void onSignal(int signal) {
@@ -25,8 +29,14 @@ extern "C" void onSignal(int signal) {
 
 }  // namespace
 
-StopOnSignal::StopOnSignal() { setHandlers(onSignal); }
-StopOnSignal::~StopOnSignal() { setHandlers(SIG_DFL); }
+StopOnSignal::StopOnSignal() {
+  setHandlers(onSignal);
+  std::signal(SIGPIPE, SIG_IGN);
+}
+StopOnSignal::~StopOnSignal() {
+  setHandlers(SIG_DFL);
+  std::signal(SIGPIPE, SIG_DFL);
+}
 const std::atomic<bool>& StopOnSignal::stop() const { return stopRequested; }
 int StopOnSignal::received() { return signalReceived; }
 

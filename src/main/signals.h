@@ -5,9 +5,10 @@
 
 namespace brume {
 
-/// While one of these lives, the first SIGINT or SIGTERM only asks the render to stop, so that the
-/// image so far can be written; a second one ends the process at once, as does one at any other
-/// time. At most one lives at a time.
+/// While one of these lives, the first SIGINT, SIGTERM or SIGHUP only asks the render to stop, so
+/// that the image so far can be written; a second one ends the process at once, as does one at any
+/// other time. A reader of the messages that goes away (SIGPIPE) does not end it. At most one lives
+/// at a time.
 class StopOnSignal {
  public:
   StopOnSignal();

@@ -15,11 +15,16 @@ struct BenchOptions {
   std::string output;  ///< folder for images, results.json and index.html; empty: FILE-results
 };
 
-enum class BenchOutcome { Done, SomeFailed, Interrupted };
+enum class BenchOutcome {
+  Done,
+  SomeFailed,  ///< references or renders
+  SomeFaulty,  ///< of them, some by faults of brume
+  Interrupted
+};
 
 /// Renders what is not rendered yet (BenchRunner), compares everything with the references and
 /// writes results.json and index.html. Interrupted, it keeps what is finished and writes no page.
-/// `say` gets a line for each render. Throws SceneError.
+/// `say` gets a line for each render and for how it ended. Throws SceneError.
 BenchOutcome bench(const BenchOptions& options, const std::atomic<bool>& stop,
                    const std::function<void(const std::string&)>& say);
 

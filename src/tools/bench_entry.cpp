@@ -67,6 +67,13 @@ Json pointJson(const BenchPoint& point) {
   return json;
 }
 
+/// Of a signal that was sent to the process of one render alone; one to all ends the benchmark, and
+/// this is not told.
+void refuseInterrupted(const RenderResult& result) {
+  if (result.reason == StopReason::Interrupted)
+    throw SceneError("interrupted by a signal to its process");
+}
+
 /// Writes the images and the times of one render into its folder; runs in the child.
 class EntryRecorder {
  public:
@@ -79,7 +86,7 @@ class EntryRecorder {
     cpuStart_ = processorSeconds();
     const RenderResult last = renderFrame(scene.file, settings, log, stop,
                                           [&](const RenderResult& soFar) { add(soFar); });
-    if (last.reason == StopReason::Interrupted) return;
+    refuseInterrupted(last);
     if (points_.empty() || points_.back()["samples"] != static_cast<double>(last.samples))
       add(last);
     Json json;
@@ -113,12 +120,7 @@ class EntryRecorder {
   double cpuStart_ = 0, cpuInImages_ = 0;
 };
 
-/// The points of a finished entry, if that is what the folder holds.
-bool readEntry(const fs::path& folder, const std::string& key, BenchEntry& entry) {
-  const fs::path file = folder / "entry.json";
-  if (!fs::exists(file)) return false;
-  const Json json = readJsonFile(file.string());
-  if (json.value("key", "") != key) return false;
+void readPoints(const Json& json, const fs::path& folder, BenchEntry& entry) {
   entry.version = json.value("version", "");
   entry.setupSeconds = json.value("setup seconds", 0.);
   entry.peakMemory = json.value("peak memory", std::uint64_t{0});
@@ -129,9 +131,28 @@ bool readEntry(const fs::path& folder, const std::string& key, BenchEntry& entry
     p.samples = point.at("samples");
     if (point.contains("estimated error")) p.estimatedError = point.at("estimated error");
     p.image = (folder / point.at("image").get<std::string>()).string();
+    if (!fs::exists(p.image)) throw SceneError(fmt::format("'{}' is not there", p.image));
     p.counters = point.at("counters").get<std::map<std::string, double>>();
     entry.points.push_back(std::move(p));
   }
+}
+
+/// The points of a finished entry, if that is what the folder holds. One that is not as it was
+/// written counts as not finished.
+bool readEntry(const fs::path& folder, const std::string& key, BenchEntry& entry) {
+  const fs::path file = folder / "entry.json";
+  if (!fs::exists(file)) return false;
+  BenchEntry found = entry;
+  try {
+    const Json json = readJsonFile(file.string());
+    if (json.value("key", "") != key) return false;
+    readPoints(json, folder, found);
+  } catch (const SceneError&) {
+    return false;
+  } catch (const Json::exception&) {
+    return false;
+  }
+  entry = std::move(found);
   return true;
 }
 
@@ -147,7 +168,11 @@ void makeFolder(const fs::path& folder) {
 
 std::optional<BenchEntry> BenchRunner::entry(const BenchScene& scene, const BenchMethod& method,
                                              int threads, std::uint64_t seed) {
-  BenchEntry entry{scene.name, method.name, threads, seed, 0, 0, {}, {}, {}};
+  BenchEntry entry;
+  entry.scene = scene.name;
+  entry.method = method.name;
+  entry.threads = threads;
+  entry.seed = seed;
   RenderSettings settings = settingsFor(scene);
   settings.seed = seed;
   settings.integrators = method.integrators;
@@ -176,7 +201,8 @@ std::optional<BenchEntry> BenchRunner::entry(const BenchScene& scene, const Benc
   });
   if (stop_) return std::nullopt;
   if (!outcome.isDone) {
-    entry.failure = outcome.failure.empty() ? "failed" : outcome.failure;
+    entry.failure = outcome.failure;
+    entry.isFault = outcome.isFault;
     say_(fmt::format("FAILED   {}: {}", name, entry.failure));
     return entry;
   }
@@ -189,9 +215,9 @@ std::optional<BenchEntry> BenchRunner::entry(const BenchScene& scene, const Benc
   return entry;
 }
 
-std::string BenchRunner::reference(const BenchScene& scene) {
+BenchRunner::Reference BenchRunner::reference(const BenchScene& scene) {
   const BenchReference& wanted = scene.reference;
-  if (!wanted.file.empty()) return wanted.file;
+  if (!wanted.file.empty()) return {wanted.file, "", false};
   RenderSettings settings = settingsFor(scene);
   settings.seed = wanted.seed;
   settings.integrators = wanted.integrators;
@@ -205,20 +231,23 @@ std::string BenchRunner::reference(const BenchScene& scene) {
       (folder / fmt::format("{}-{:016x}.exr", fileName(scene.name), hashText(key))).string();
   if (fs::exists(file)) {
     say_(fmt::format("kept     the reference of {}", scene.name));
-    return file;
+    return {file, "", false};
   }
   makeFolder(folder);
   const ChildOutcome outcome = runInChild([&] {
     Log log({Verbosity::Quiet, false, false});
     const RenderResult result = renderFrame(scene.file, settings, log, stop_);
-    if (result.reason != StopReason::Interrupted) writeImage(file, result.image);
+    refuseInterrupted(result);
+    writeImage(file, result.image);
   });
-  if (stop_ && !fs::exists(file)) return "";
-  if (!outcome.isDone)
-    throw SceneError(fmt::format("the reference of {}: {}", scene.name, outcome.failure));
+  if (stop_ && !fs::exists(file)) return {};
+  if (!outcome.isDone) {
+    say_(fmt::format("FAILED   the reference of {}: {}", scene.name, outcome.failure));
+    return {"", outcome.failure, outcome.isFault};
+  }
   say_(fmt::format("rendered the reference of {}: {:.3g} s of processor time", scene.name,
                    outcome.cpuSeconds));
-  return file;
+  return {file, "", false};
 }
 
 }  // namespace brume

@@ -34,6 +34,7 @@ struct BenchEntry {
   double setupSeconds = 0;
   std::uint64_t peakMemory = 0;    ///< of its process [bytes]; 0: not known
   std::string version, failure;    ///< the failure replaces points
+  bool isFault = false;            ///< the failure is one of brume
   std::vector<BenchPoint> points;  ///< in order of time
 };
 
@@ -47,8 +48,12 @@ class BenchRunner {
 
   std::optional<BenchEntry> entry(const BenchScene& scene, const BenchMethod& method, int threads,
                                   std::uint64_t seed);
-  /// The file of the scene's reference, rendered when it is not there yet; "" when stopped.
-  std::string reference(const BenchScene& scene);
+  struct Reference {
+    std::string file, failure;  ///< one of the two, none when `stop` was set
+    bool isFault = false;
+  };
+  /// The file of the scene's reference, rendered when it is not there yet.
+  Reference reference(const BenchScene& scene);
 
  private:
   const BenchConfig& config_;

@@ -36,6 +36,7 @@ Json picturesOf(const BenchedScene& benched, const RgbImage& truth) {
 std::string benchPage(const Json& results, const std::vector<BenchedScene>& scenes) {
   Json data = results;
   for (std::size_t i = 0; i < scenes.size(); ++i) {
+    if (!scenes[i].failure.empty()) continue;
     const RgbImage truth = toRgbImage(readLayeredImage(scenes[i].referenceFile));
     data["scenes"][i]["reference"] = pngUri(truth);
     data["scenes"][i]["pictures"] = picturesOf(scenes[i], truth);

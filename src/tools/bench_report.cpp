@@ -203,6 +203,13 @@ Json benchResults(const BenchConfig& config, std::vector<BenchedScene>& scenes) 
   json["baseline"] = config.baseline;
   Json& list = json["scenes"] = Json::array();
   for (BenchedScene& benched : scenes) {
+    if (!benched.failure.empty()) {
+      list.push_back({{"name", benched.scene->name},
+                      {"failure", benched.failure},
+                      {"curves", Json::array()},
+                      {"times to error", Json::array()}});
+      continue;
+    }
     const Truth truth = readTruth(benched.referenceFile);
     const std::vector<Measured> measured = measure(benched, truth);
     Json scene;

@@ -16,6 +16,8 @@ namespace brume {
 struct BenchedScene {
   const BenchScene* scene = nullptr;
   std::string referenceFile;
+  std::string failure;   ///< of its reference: it has no entries
+  bool isFault = false;  ///< the failure is one of brume
   std::vector<BenchEntry> entries;
 };
 

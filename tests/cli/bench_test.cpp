@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <csignal>
+#include <cstdlib>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "support/run_program.h"
@@ -109,11 +111,120 @@ TEST_F(Bench, KeepsWhatIsFinishedWhenInterrupted) {
   input.waitFor = "rendered the reference";
   const ProgramResult result = runBrume(input);
   EXPECT_EQ(result.exitCode, 130) << result.err;
+  EXPECT_TRUE(contains(result.err,
+                       "interrupted: what is finished is kept in ball-results; the "
+                       "same call goes on there"))
+      << result.err;
   EXPECT_FALSE(std::filesystem::exists(folder_.path() / "ball-results" / "index.html"));
   const ProgramResult rest = run();
   EXPECT_EQ(rest.exitCode, 0) << rest.err;
   EXPECT_TRUE(contains(rest.err, "kept     the reference of ball")) << rest.err;
 }
+
+TEST_F(Bench, ARenderThatIsKilledIsToldAndTriedAgain) {
+  folder_.write("ball.json", config(R"("seconds": 1, "threads": 1)"));
+  for (const auto& [signal, message] :
+       {std::pair{SIGKILL, "ended by signal 9 (Killed), perhaps for want of memory"},
+        std::pair{SIGSEGV, "ended by signal 11 (Segmentation fault)"},
+        std::pair{SIGTERM, "interrupted by a signal to its process"}}) {
+    std::filesystem::remove_all(folder_.path() / "ball-results" / "entries");
+    ProgramInput input{{"bench", "ball.json"}, folder_.path()};
+    input.signal = signal;
+    input.signalsChild = true;
+    input.waitFor = "the reference of ball";
+    const ProgramResult result = runBrume(input);
+    EXPECT_EQ(result.exitCode, signal == SIGSEGV ? 2 : 1) << result.err;
+    EXPECT_TRUE(
+        contains(result.err, std::string("FAILED   ball, volpath, 1 threads, seed 0: ") + message))
+        << result.err;
+    EXPECT_EQ(count(result.err, "rendered ball, single"), 1) << result.err;
+    EXPECT_TRUE(contains(result.err, "FAILED   1 of the renders")) << result.err;
+    EXPECT_EQ(results()["scenes"][0]["curves"][0]["failure"], message);
+  }
+  const ProgramResult again = run();
+  EXPECT_EQ(again.exitCode, 0) << again.err;
+  EXPECT_EQ(count(again.err, "rendered ball, volpath"), 1) << again.err;
+  EXPECT_EQ(count(again.err, "kept     ball, single"), 1) << again.err;
+}
+
+TEST_F(Bench, AReferenceThatFailsDoesNotEndTheOthers) {
+  folder_.write("ball.json", R"({"passes": 2, "threads": 1, "methods": [{"integrator": "volpath"}],
+    "scenes": [{"file": "ball.pbrt", "reference": {"integrator": "vilpath", "passes": 2}},
+               {"file": "ball.pbrt", "name": "other", "reference": {"passes": 2}}]})");
+  const ProgramResult result = run();
+  EXPECT_EQ(result.exitCode, 1);
+  EXPECT_TRUE(contains(result.err, "FAILED   the reference of ball: ")) << result.err;
+  EXPECT_TRUE(contains(results()["scenes"][0]["failure"], "vilpath"));
+  EXPECT_EQ(results()["scenes"][1]["curves"][0]["points"].size(), 7u);
+  EXPECT_TRUE(contains(readFile(folder_.path() / "ball-results" / "index.html"), "vilpath"));
+  // One that is given is looked at before anything is rendered.
+  folder_.write("ball.json", R"({"passes": 2, "threads": 1, "methods": [{"integrator": "volpath"}],
+    "scenes": [{"file": "ball.pbrt", "reference": {"passes": 2}},
+               {"file": "ball.pbrt", "name": "other", "reference": {"file": "none.exr"}}]})");
+  const ProgramResult missing = run();
+  EXPECT_EQ(missing.exitCode, 1);
+  EXPECT_TRUE(contains(missing.err, "none.exr': no such file")) << missing.err;
+  EXPECT_EQ(count(missing.err, "rendered"), 0) << missing.err;
+}
+
+TEST_F(Bench, WhatIsKeptMustBeWhole) {
+  folder_.write("ball.json", config(R"("passes": 2, "threads": 1)"));
+  ASSERT_EQ(run().exitCode, 0);
+  std::vector<std::filesystem::path> images, entries;
+  for (const auto& file :
+       std::filesystem::recursive_directory_iterator(folder_.path() / "ball-results" / "entries")) {
+    if (file.path().extension() == ".exr") images.push_back(file.path());
+    if (file.path().extension() == ".json") entries.push_back(file.path());
+  }
+  ASSERT_EQ(entries.size(), 2u);
+  std::filesystem::remove(images.front());
+  EXPECT_EQ(count(run().err, "rendered ball"), 1);
+  for (const char* text : {"", "{", "{\"key\": 3}", "[]"}) {
+    std::ofstream(entries.front()) << text;
+    const ProgramResult result = run();
+    EXPECT_EQ(result.exitCode, 0) << result.err;
+    EXPECT_EQ(count(result.err, "rendered ball"), 1) << text << result.err;
+  }
+}
+
+/// Runs a line of sh in which $brume is the program; returns the exit code.
+int shell(const TemporaryFolder& folder, const std::string& line) {
+  const std::string all = "cd '" + folder.path().string() + "'; brume='" +
+                          std::string(BRUME_BINARY_DIR) + "/brume'; " + line;
+  const int status = std::system(all.c_str());
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+TEST_F(Bench, GoesOnWithoutAReaderOfItsMessages) {
+  folder_.write("ball.json", config(R"("passes": 2, "threads": 1)"));
+  // The reader ends before the first line comes.
+  EXPECT_EQ(shell(folder_,
+                  "(sleep .2; \"$brume\" bench ball.json; echo $? > code) 2>&1 | true; "
+                  "while [ ! -s code ]; do sleep .1; done; exit $(cat code)"),
+            0);
+  EXPECT_TRUE(std::filesystem::exists(folder_.path() / "ball-results" / "index.html"));
+}
+
+TEST_F(Bench, LearnsHowItsProcessesEndWhereTheirSignalIsIgnored) {
+  folder_.write("ball.json", R"({"scenes": [{"file": "ball.pbrt", "reference": {"passes": 2}}],
+    "passes": 2, "threads": 1, "methods": [{"integrator": "vilpath"}]})");
+  EXPECT_EQ(shell(folder_, "trap '' CHLD; exec \"$brume\" bench ball.json 2> err"), 1);
+  const std::string err = readFile(folder_.path() / "err");
+  EXPECT_TRUE(contains(err, "FAILED   ball, vilpath")) << err;
+  EXPECT_TRUE(contains(err, "(did you mean 'volpath'?)")) << err;
+}
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+TEST_F(Bench, AMethodWithoutMemoryIsTold) {
+  folder_.write("ball.json", R"({"scenes": [{"file": "ball.pbrt", "reference": {"passes": 2}}],
+    "passes": 1, "threads": 1, "methods": [{"integrator": "volpath"},
+      {"name": "bre", "integrator": "bre:photons=50000000,surfacephotons=0"}]})");
+  EXPECT_EQ(shell(folder_, "ulimit -v 600000; exec \"$brume\" bench ball.json 2> err"), 1);
+  const std::string err = readFile(folder_.path() / "err");
+  EXPECT_TRUE(contains(err, "FAILED   ball, bre, 1 threads, seed 0: out of memory")) << err;
+  EXPECT_TRUE(contains(err, "rendered ball, volpath")) << err;
+}
+#endif
 
 TEST_F(Bench, ShowsOtherRenderersImages) {
   folder_.write("ball.json", config(R"("passes": 2, "threads": 1, "foreign": "others.csv")"));

@@ -51,6 +51,15 @@ constexpr std::chrono::seconds kPatience{60};
   _exit(122);
 }
 
+/// The first process that a process has started and that has not ended; 0 for none.
+pid_t childOf(pid_t parent) {
+  const std::string id = std::to_string(parent);
+  std::ifstream children("/proc/" + id + "/task/" + id + "/children");
+  pid_t child = 0;
+  children >> child;
+  return child;
+}
+
 }  // namespace
 
 std::string readFile(const fs::path& path) {
@@ -99,8 +108,11 @@ ProgramResult runBrume(const ProgramInput& input) {
   while (wait4(child, &status, WNOHANG, &usage) == 0) {
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
     if (isSignalDue && readFile(streams.path() / "err").find(input.waitFor) != std::string::npos) {
-      kill(child, *input.signal);
-      isSignalDue = false;
+      const pid_t target = input.signalsChild ? childOf(child) : child;
+      if (target > 0) {
+        kill(target, *input.signal);
+        isSignalDue = false;
+      }
     }
     if (Clock::now() - start > kPatience) kill(child, SIGKILL);
   }

@@ -42,6 +42,7 @@ struct ProgramInput {
   /// A signal that is sent once standard error holds `waitFor`.
   std::optional<int> signal = {};
   std::string waitFor = {};
+  bool signalsChild = false;  ///< the signal goes to the process that it has started
   /// Limit for the size of any file it writes [bytes]: a full disk.
   std::optional<std::size_t> fileSizeLimit = {};
 };
