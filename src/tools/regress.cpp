@@ -21,6 +21,16 @@ constexpr std::uint64_t kImageSeed = 0, kReferenceSeed = 1;
 /// Ends the loop over the scenes after a signal.
 struct Interrupted {};
 
+/// Below the line of its scene.
+std::string indented(const std::string& text) {
+  std::string result = "        ";
+  for (const char c : text) {
+    result += c;
+    if (c == '\n') result += "        ";
+  }
+  return result;
+}
+
 class Regression {
  public:
   Regression(const RegressOptions& options, Log& log, const std::atomic<bool>& stop)
@@ -100,10 +110,10 @@ RegressOutcome Regression::run(const std::function<void(const std::string&)>& sa
                     : options_.update ? "updated"
                                       : "passed ",
                     result.name, result.seconds, result.figures));
-    for (const std::string& failure : result.failures) say("        " + failure);
+    for (const std::string& failure : result.failures) say(indented(failure));
     outcome.results.push_back(std::move(result));
   }
-  gallery_.finish();
+  gallery_.finish(outcome.results.size());
   return outcome;
 }
 

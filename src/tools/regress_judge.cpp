@@ -57,7 +57,10 @@ void judgeByZ(const LayeredImage& image, const LayeredImage& reference, const Re
     if (z->fixedDiffer > 0)
       verdict.failures.push_back(
           fmt::format("{}: {} values without variance differ", what, z->fixedDiffer));
-    if (block == 1) verdict.pValues = z->pValues;
+    if (block == 1)
+      verdict.pValues = z->pValues;
+    else if (block == rules.block)
+      verdict.blockPValues = z->pValues;
   };
   test("pixels", 1);
   if (rules.block > 1) {

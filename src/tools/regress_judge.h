@@ -13,8 +13,9 @@ namespace brume {
 /// What a comparison by RegressRules found.
 struct RegressVerdict {
   std::vector<std::string> failures;
-  std::string figures;  ///< one line
-  ScalarImage pValues;  ///< of the pixels; empty without a z-test
+  std::string figures;       ///< one line
+  ScalarImage pValues;       ///< of the pixels; empty without a z-test
+  ScalarImage blockPValues;  ///< of the blocks; empty where they are not tested
 };
 
 /// Compares an image and its reference, both with variance layers when there is a z-test. The

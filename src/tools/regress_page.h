@@ -20,14 +20,15 @@ class RegressGallery {
            const RegressVerdict& verdict);
   /// A scene that could not be rendered or compared.
   void add(const RegressResult& result);
-  /// Writes index.html when something was added.
-  void finish() const;
+  /// Writes index.html when something was added; of so many scenes.
+  void finish(std::size_t scenes) const;
 
  private:
   std::string file(const std::string& name) const;
   void addRow(const RegressResult& result, const std::string& figures);
 
   std::string folder_, rows_;
+  std::size_t failed_ = 0;
 };
 
 }  // namespace brume
