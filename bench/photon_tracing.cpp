@@ -40,24 +40,24 @@ std::vector<RecordedRay> recorded;
 bool isRecording = false;
 
 using Intersect = void (*)(RTCScene, RTCIntersectContext*, RTCRayHit*);
-Intersect embreeIntersect() {
-  static const auto f = reinterpret_cast<Intersect>(dlsym(RTLD_NEXT, "rtcIntersect1"));
-  return f;
+const auto embreeIntersect = reinterpret_cast<Intersect>(dlsym(RTLD_NEXT, "rtcIntersect1"));
+
+[[gnu::noinline]] void record(RTCScene scene, const RTCIntersectContext* context,
+                              const RTCRayHit& ray) {
+  RecordedRay r;
+  r.scene = scene;
+  std::memcpy(static_cast<void*>(&r.context), context, sizeof(RTCIntersectContext) + sizeof(float));
+  r.ray = ray;
+  recorded.push_back(r);
 }
 
 }  // namespace
 
-// Stands before the library's function of this name.
+// Stands before the library's function of this name; a jump to it where nothing is recorded.
 extern "C" void rtcIntersect1(RTCScene scene, RTCIntersectContext* context, RTCRayHit* ray) {
-  if (isRecording) {
-    RecordedRay r;
-    r.scene = scene;
-    std::memcpy(static_cast<void*>(&r.context), context,
-                sizeof(RTCIntersectContext) + sizeof(float));
-    r.ray = *ray;
-    recorded.push_back(r);
-  }
-  embreeIntersect()(scene, context, ray);
+  if (isRecording) [[unlikely]]
+    record(scene, context, *ray);
+  embreeIntersect(scene, context, ray);
 }
 
 namespace {
@@ -149,7 +149,7 @@ void measure(const std::string& file, std::uint64_t paths) {
     const double embree = best([&] {
       for (const RecordedRay& r : recorded) {
         RecordedRay copy = r;
-        embreeIntersect()(copy.scene, &copy.context, &copy.ray);
+        embreeIntersect(copy.scene, &copy.context, &copy.ray);
       }
     });
     const auto segments = static_cast<double>(stats[Stat::PhotonSegments]);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/phase.h"
 
+#include "core/sampling.h"
+
 namespace brume {
 
 PhaseSample PhaseFunction::sample(const Vec3& wo, float uLobe, Vec2 u) const {
@@ -13,8 +15,8 @@ Vec3 scatteredDirection(const Vec3& wo, const ScatteringAngle& angle, float u) {
   // Light that is not turned comes from -wo: that is the pole.
   const Frame frame = Frame::fromZ(-wo);
   const float sine = safeSqrt(angle.oneMinusCos * angle.onePlusCos);
-  const float phi = 2.f * kPi * u;
-  return frame.fromLocal({sine * std::cos(phi), sine * std::sin(phi), angle.cos()});
+  const Vec2 cs = cosSinOfTurns(u);
+  return frame.fromLocal({sine * cs.x, sine * cs.y, angle.cos()});
 }
 
 }  // namespace brume

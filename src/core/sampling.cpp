@@ -20,6 +20,14 @@ Vec2 cosSinOfSmall(float x) {
 
 }  // namespace
 
+Vec2 cosSinOfTurns(float u) {
+  // The rest of whole quarters, which is exact, lies within an eighth.
+  const int quarters = static_cast<int>(4 * u + .5f);
+  const Vec2 cs = cosSinOfSmall(2 * kPi * (u - .25f * static_cast<float>(quarters)));
+  const Vec2 turned = quarters & 1 ? Vec2(-cs.y, cs.x) : cs;
+  return quarters & 2 ? -turned : turned;
+}
+
 Vec2 sampleConcentricDisk(Vec2 u) {
   const float x = 2.f * u.x - 1.f, y = 2.f * u.y - 1.f;
   if (x == 0.f && y == 0.f) return Vec2(0);
@@ -36,19 +44,22 @@ Vec3 sampleCosineHemisphere(Vec2 u) {
 }
 
 Vec3 sampleUniformHemisphere(Vec2 u) {
-  const float z = u.x, r = safeSqrt(1.f - z * z), phi = 2.f * kPi * u.y;
-  return {r * std::cos(phi), r * std::sin(phi), z};
+  const float z = u.x, r = safeSqrt(1.f - z * z);
+  const Vec2 cs = cosSinOfTurns(u.y);
+  return {r * cs.x, r * cs.y, z};
 }
 
 Vec3 sampleUniformSphere(Vec2 u) {
-  const float z = 1.f - 2.f * u.x, r = safeSqrt(1.f - z * z), phi = 2.f * kPi * u.y;
-  return {r * std::cos(phi), r * std::sin(phi), z};
+  const float z = 1.f - 2.f * u.x, r = safeSqrt(1.f - z * z);
+  const Vec2 cs = cosSinOfTurns(u.y);
+  return {r * cs.x, r * cs.y, z};
 }
 
 Vec3 sampleUniformCone(Vec2 u, float oneMinusCosThetaMax) {
   const float oneMinusCos = u.x * oneMinusCosThetaMax;
-  const float sinTheta = safeSqrt(oneMinusCos * (2.f - oneMinusCos)), phi = 2.f * kPi * u.y;
-  return {sinTheta * std::cos(phi), sinTheta * std::sin(phi), 1.f - oneMinusCos};
+  const float sinTheta = safeSqrt(oneMinusCos * (2.f - oneMinusCos));
+  const Vec2 cs = cosSinOfTurns(u.y);
+  return {sinTheta * cs.x, sinTheta * cs.y, 1.f - oneMinusCos};
 }
 
 Vec2 sampleUniformTriangle(Vec2 u) {

@@ -9,6 +9,8 @@
 
 namespace brume {
 
+/// Cosine and sine of u turns, u in [0, 1], each in error by less than 1.5e-7.
+Vec2 cosSinOfTurns(float u);
 /// Unit square to unit disk, concentric (Shirley, Chiu 1997).
 Vec2 sampleConcentricDisk(Vec2 u);
 /// Upper hemisphere around +z; pdf cos/pi.

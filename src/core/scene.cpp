@@ -52,6 +52,14 @@ void transformInteraction(const Transform& t, SurfaceInteraction& si) {
   si.ns = shading.unit;
 }
 
+SurfaceInteraction interactionInInstance(const Ray& ray, const SceneHit& hit) {
+  const Transform groupToScene = hit.instance->groupToParent.at(ray.time);
+  SurfaceInteraction si =
+      hit.primitive->shape->interaction(groupToScene.inverse().ray(ray), hit.shape);
+  transformInteraction(groupToScene, si);
+  return si;
+}
+
 /// From a point towards another, the segment ending just before a surface with normal n (or 0) that
 /// passes through `to`, whose error box has been left behind already.
 Ray segment(const Vec3& from, const Vec3& to, const Vec3& n, float time) {
@@ -102,7 +110,14 @@ std::optional<SurfaceInteraction> Scene::intersect(const FootprintRay& ray, Stat
   stats.add(Stat::IntersectionRays);
   const std::optional<SceneHit> hit = accelerator_->intersect(ray);
   if (!hit) return found;
-  found = interactionAt(ray, *hit);
+  // Made where it stays: a copy would cost as much as all of its arithmetic.
+  struct InPlace {
+    const Scene& scene;
+    const FootprintRay& ray;
+    const SceneHit& hit;
+    operator SurfaceInteraction() const { return scene.interactionAt(ray, hit); }
+  };
+  found.emplace(InPlace{*this, ray, *hit});
   if (!hit->instance && coplanarLights_.mayBeIn(*hit->primitive))
     if (auto light = lightIn(ray, hit->shape.t, *found)) found = std::move(light);
   found->computeFootprint(ray, Vec3(contents_.sceneOrigin));
@@ -113,15 +128,9 @@ SurfaceInteraction Scene::interactionAt(const FootprintRay& ray, const SceneHit&
   const Primitive& primitive = *hit.primitive;
   const Material* material = primitive.material;
   const bool isPlain = !ray.differential && material && !material->usesTangents();
-  SurfaceInteraction si;
-  if (hit.instance) {
-    const Transform groupToScene = hit.instance->groupToParent.at(ray.time);
-    si = primitive.shape->interaction(groupToScene.inverse().ray(ray), hit.shape);
-    transformInteraction(groupToScene, si);
-  } else {
-    si = isPlain ? primitive.shape->interactionWithoutDerivatives(ray, hit.shape)
-                 : primitive.shape->interaction(ray, hit.shape);
-  }
+  SurfaceInteraction si = hit.instance ? interactionInInstance(ray, hit)
+                          : isPlain ? primitive.shape->interactionWithoutDerivatives(ray, hit.shape)
+                                    : primitive.shape->interaction(ray, hit.shape);
   si.wo = -ray.d;
   si.time = ray.time;
   si.material = primitive.material;

@@ -148,6 +148,9 @@ class Volume {
   virtual bool isTracked() const { return false; }
   /// Density of a tracked medium at ray(t).
   virtual double densityAt(const Ray&, double) const { return 0; }
+  /// All coefficients at all points are these times one scalar density; null: they are not, or the
+  /// density is tracked.
+  virtual const MediumCoefficients* proportions() const { return nullptr; }
   /// Set for media that special kernels can take.
   virtual std::optional<UniformMedium> uniform() const { return std::nullopt; }
   /// g of the one Henyey-Greenstein phase function of all points and channels (0: isotropic); none:

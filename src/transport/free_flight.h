@@ -26,10 +26,43 @@ Rgb flightChannels(const Rgb& power);
 /// Both numbers have 24 bits; together they draw the depth with 48. Test: free_flight_test.
 FreeFlight sampleFreeFlight(const MediumAlongRay& medium, const Rgb& channels, float uChannel,
                             float uDepth);
-/// The same through a uniform medium that fills the range.
-FreeFlight sampleFreeFlight(const UniformMedium& medium, Interval range, const Rgb& channels,
-                            float uChannel, float uDepth);
-/// Weight of a flight that such a draw would have let go on, behind the first `way` of the medium.
-Rgb flightPast(const UniformMedium& medium, float way, const Rgb& channels);
+/// The same through a volume with proportions() (Volume), which is looked up no farther than the
+/// flight goes.
+FreeFlight sampleFreeFlight(const Volume& volume, const Ray& ray, Interval range,
+                            const Rgb& channels, float uChannel, float uDepth);
+
+/// The same through a uniform medium in a box, whose ends are looked for only when they are needed.
+class UniformFlights {
+ public:
+  /// None: the volume is something else.
+  static std::optional<UniformFlights> through(const Volume& volume);
+
+  const MediumCoefficients& coefficients() const { return medium_.coefficients; }
+  struct Flight {
+    Interval range;  ///< to the collision, or to the end of the medium
+    bool collides = false;
+    Rgb channels;
+  };
+  enum class Start { Anywhere, InMedium };
+  /// None: the ray, whose end does not matter, misses the medium. `power` is what it carries.
+  std::optional<Flight> sample(const Ray& ray, Start start, const Rgb& power, Vec2 u) const;
+  /// Weight of a flight that ends in its collision, or goes on to t, or leaves the medium before.
+  Rgb weightAtCollision(const Flight& flight) const;
+  Rgb weightAt(const Flight& flight, float t) const;
+
+ private:
+  UniformFlights(const UniformMedium& medium, const MediumBox& box);
+  bool contains(const Vec3d& p) const;
+  Rgb relativeTr(float way) const;
+  std::optional<Interval> clip(const Ray& ray) const;
+
+  UniformMedium medium_;
+  Rgb sigma_t_;
+  bool isGrey_;
+  Vec3d perSigma_;  // 1 / sigma_t
+  Rgb excess_;      // sigma_t over that of the least channel
+  std::array<Vec3d, 3> axes_;
+  std::array<double, 3> lo_, hi_;  // of dot(axis, p)
+};
 
 }  // namespace brume

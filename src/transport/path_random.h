@@ -1,9 +1,33 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
+
 #include "core/lowdiscrepancy.h"
 
 namespace brume {
+
+/// What the light paths of one pass share: the scrambles of their stratified numbers.
+class PassRandom {
+ public:
+  /// Requests that are stratified: light, point, direction, time, first flight, first scattering.
+  static constexpr std::uint32_t kStratified = 8;
+
+  PassRandom(std::uint64_t seed, std::uint64_t pass);
+  std::uint64_t key() const { return key_; }
+
+  /// The stratified numbers of one path, by request.
+  struct Points {
+    alignas(32) std::array<float, kStratified> x, y;
+  };
+  /// Of neighbouring paths, several at once: one alone would wait for each of its multiplications.
+  static constexpr std::uint32_t kAtOnce = 4;
+  std::array<Points, kAtOnce> points(std::uint32_t firstPath) const;
+
+ private:
+  std::uint64_t key_;
+  alignas(32) std::array<std::uint32_t, kStratified> order_, x_, y_;  // of Scramble
+};
 
 /// The random numbers of one light path: the first requests are Owen-scrambled (0,2)-sequences over
 /// the paths of a pass, each with a scramble of its own, so that emission and first flight are
@@ -11,34 +35,24 @@ namespace brume {
 /// of the paths, and any 2^k aligned ones, are stratified.
 class PathRandom {
  public:
-  /// Requests that are stratified: light, point, direction, time, first flight, first scattering.
-  static constexpr std::uint32_t kStratified = 8;
-
-  PathRandom(std::uint64_t passKey, std::uint32_t path)
-      : passKey_(passKey), reversedPath_(reverseBits(path)), rng_(hashIntegers(passKey, path)) {}
-  static std::uint64_t passKey(std::uint64_t seed, std::uint64_t pass) {
-    return hashIntegers(seed, pass, 0x70686f746f6e73ull);
-  }
+  /// points: the path's.
+  PathRandom(const PassRandom& pass, std::uint32_t path, const PassRandom::Points& points)
+      : points_(points), rng_(hashIntegers(pass.key(), path)) {}
 
   Vec2 get2D() {
-    if (dimension_ >= kStratified) return rng_.uniform2();
-    return ScrambledSequence::point(reversedPath_, nextScramble());
+    if (dimension_ >= PassRandom::kStratified) return rng_.uniform2();
+    const std::uint32_t d = dimension_++;
+    return {points_.x[d], points_.y[d]};
   }
   float get1D() {
-    if (dimension_ >= kStratified) return rng_.uniform();
-    return ScrambledSequence::point1D(reversedPath_, nextScramble());
+    if (dimension_ >= PassRandom::kStratified) return rng_.uniform();
+    return points_.x[dimension_++];
   }
   /// Numbers beyond the stratified ones.
   Rng& hashed() { return rng_; }
 
  private:
-  ScrambledSequence::Scramble nextScramble() {
-    return ScrambledSequence::Scramble::of(
-        mixBits(passKey_ + 0x9e3779b97f4a7c15ull * ++dimension_));
-  }
-
-  std::uint64_t passKey_;
-  std::uint32_t reversedPath_;
+  const PassRandom::Points& points_;
   std::uint32_t dimension_ = 0;
   Rng rng_;
 };

@@ -33,7 +33,8 @@ Vec3 fromOctahedron(const Vec2& p) {
 template <int kBits>
 std::uint32_t quantise(float x) {
   constexpr float kHalf = static_cast<float>((1 << (kBits - 1)) - 1);
-  return static_cast<std::uint32_t>(std::lround((std::clamp(x, -1.f, 1.f) + 1) * kHalf));
+  return static_cast<std::uint32_t>(
+      static_cast<std::int32_t>((std::clamp(x, -1.f, 1.f) + 1) * kHalf + 0.5f));
 }
 template <int kBits>
 float dequantise(std::uint32_t q) {

@@ -24,10 +24,6 @@ bool meets(const Ball& ball, const LightEmission& emission) {
 
 }  // namespace
 
-float largestChannel(const Rgb& power) {
-  return std::max(std::abs(power.r), std::max(std::abs(power.g), std::abs(power.b)));
-}
-
 PhotonSources::PhotonSources(const Scene& scene, const Options& options) : volume_(scene.volume()) {
   makeBalls(scene, options.media);
   std::vector<float> weights;
@@ -81,11 +77,12 @@ void PhotonSources::addLight(const Light& light, bool forSurfaces, std::vector<f
 }
 
 std::optional<PhotonStart> PhotonSources::sample(PathRandom& random) const {
-  const Distribution1D::Sample chosen = choice_.sample(random.get1D());
+  const float uSource = random.get1D();
+  const std::size_t chosen = sources_.size() > 1 ? choice_.sample(uSource).index : 0;
   EmissionUniforms u;
   u.point = random.get2D();
   u.direction = random.get2D();
-  const Source& source = sources_[chosen.index];
+  const Source& source = sources_[chosen];
   std::optional<PhotonStart> start;
   if (!source.light) {
     start = sampleMedia(random, sampleUniformSphere(u.direction));
@@ -96,7 +93,7 @@ std::optional<PhotonStart> PhotonSources::sample(PathRandom& random) const {
       start = PhotonStart{e->o, e->d, e->power};
   }
   if (!start) return std::nullopt;
-  start->power /= choice_.probability(chosen.index);
+  start->power /= choice_.probability(chosen);
   start->usualPower = source.usualShare * largestChannel(start->power);
   if (!(start->usualPower > 0) || !start->power.isFinite()) return std::nullopt;
   return start;

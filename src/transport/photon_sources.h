@@ -13,7 +13,9 @@
 namespace brume {
 
 /// The largest of the channels' absolute values: what roulette goes by.
-float largestChannel(const Rgb& power);
+inline float largestChannel(const Rgb& power) {
+  return std::max(std::abs(power.r), std::max(std::abs(power.g), std::abs(power.b)));
+}
 
 /// The first ray of a light path.
 struct PhotonStart {

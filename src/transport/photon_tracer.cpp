@@ -57,6 +57,8 @@ struct PhotonTracer::Path {
   float usualPower = 0;
   Stage stage = Stage::Direct;
   int scatterings = 0;
+  UniformFlights::Start start = UniformFlights::Start::Anywhere;
+  std::optional<float> collision;  // distance along the ray, if that is how far it gets
 
   /// Roulette: goes on with `next`, the expected power, or ends. The survivors have the usual power
   /// at least.
@@ -64,7 +66,7 @@ struct PhotonTracer::Path {
     float survival = std::min(1.f, largestChannel(next) / usualPower);
     if (scatterings >= kLongPath) survival = std::min(survival, kLongPathSurvival);
     if (!(survival > 0) || u >= survival) return false;
-    power = next / survival;
+    power = survival < 1 ? next / survival : next;
     return true;
   }
 };
@@ -72,10 +74,13 @@ struct PhotonTracer::Path {
 PhotonTracer::PhotonTracer(const Scene& scene, const PhotonRequest& request)
     : scene_(scene),
       request_(request),
-      uniform_(scene.volume() ? scene.volume()->uniform() : std::nullopt),
+      uniform_(scene.volume() ? UniformFlights::through(*scene.volume()) : std::nullopt),
       media_(mediaToAimAt()),
       sources_(scene,
-               {media_, !(request.wanted & kSurfacePhotons).isEmpty(), !request.passiveMedia}) {}
+               {media_, !(request.wanted & kSurfacePhotons).isEmpty(), !request.passiveMedia}) {
+  if (!scene.volume()) return;
+  if (const MediumCoefficients* all = scene.volume()->proportions()) albedo_ = albedoOf(*all);
+}
 
 Ball PhotonTracer::mediaToAimAt() const {
   const Volume* volume = scene_.volume();
@@ -90,23 +95,26 @@ bool PhotonTracer::emit(PathRandom& random, Path& path) const {
   path.ray = Ray{start->o, start->d, kInfinity, time};
   path.power = start->power;
   path.usualPower = start->usualPower;
-  if (start->isInMedium) path.stage = Stage::Scattered;
+  if (start->isInMedium) {
+    path.stage = Stage::Scattered;
+    path.start = UniformFlights::Start::InMedium;
+  }
   return true;
 }
 
 /// Absorbed, or scattered into a direction of the phase function.
-bool PhotonTracer::scatterInMedium(Path& path, float t, const Rgb& albedo,
-                                   PathRandom& random) const {
+bool PhotonTracer::scatterInMedium(Path& path, const Rgb& albedo, PathRandom& random) const {
   const float uSurvival = random.get1D(), uLobe = random.get1D();
   const Vec2 u = random.get2D();
   ++path.scatterings;
   if (!path.survives(path.power * albedo, uSurvival)) return false;
-  const Vec3 p = path.ray(t);
+  const Vec3 p = path.ray(*path.collision);
   const ScatterSample sample = scene_.volume()->samplePhase(p, -path.ray.d, path.power, uLobe, u);
   if (!(sample.pdf > 0)) return false;
   path.power *= sample.value / sample.pdf;
   path.ray = Ray{p, sample.wi, kInfinity, path.ray.time};
   path.stage = Stage::Scattered;
+  path.start = UniformFlights::Start::InMedium;
   return true;
 }
 
@@ -134,6 +142,7 @@ bool PhotonTracer::scatterAtSurface(Path& path, const SurfaceInteraction& at, Ph
   const float weight = inShading * out / in * sqr(sample->eta) / sample->pdf;
   if (!path.survives(path.power * sample->f * weight, uSurvival)) return false;
   path.ray = at.spawnRay(sample->wi);
+  path.start = UniformFlights::Start::Anywhere;
   if (!sample->isSpecular())
     path.stage = Stage::Scattered;
   else if (path.stage == Stage::Direct)
@@ -141,37 +150,52 @@ bool PhotonTracer::scatterAtSurface(Path& path, const SurfaceInteraction& at, Ph
   return true;
 }
 
-/// To the next surface, or to a collision before it.
-PhotonTracer::Flown PhotonTracer::fly(Path& path, MediumAlongRay& medium, Vec2 u,
-                                      Stats& stats) const {
-  const Volume* volume = scene_.volume();
-  const auto toSurface = [&] {
-    auto hit = scene_.intersect(FootprintRay(path.ray), stats);
-    if (hit) path.ray.tMax = distance(path.ray.o, hit->p);
-    return hit;
-  };
-  if (!uniform_) {
-    Flown flown{toSurface(), {}};
-    if (const auto range = volume ? volume->intersect(path.ray) : std::nullopt) {
-      medium.assign(*volume, path.ray, *range);
-      flown.flight = sampleFreeFlight(medium, flightChannels(path.power), u.x, u.y);
-    }
-    return flown;
-  }
+std::optional<SurfaceInteraction> PhotonTracer::nextSurface(const Path& path, Stats& stats) const {
+  return scene_.intersect(FootprintRay(path.ray), stats);
+}
 
-  // The flight first: surfaces behind its end need not be found.
-  Flown flown;
+/// To the next surface, or to a collision before it, or out of the scene.
+std::optional<SurfaceInteraction> PhotonTracer::fly(Path& path, MediumAlongRay& medium, Vec2 u,
+                                                    Stats& stats) const {
+  path.collision.reset();
+  if (uniform_) return flyThroughUniform(path, u, stats);
+  auto hit = nextSurface(path, stats);
+  const Volume* volume = scene_.volume();
+  if (!volume) return hit;
+  if (hit) path.ray.tMax = distance(path.ray.o, hit->p);
   const auto range = volume->intersect(path.ray);
-  if (!range) return {toSurface(), {}};
+  if (!range) return hit;
   const Rgb channels = flightChannels(path.power);
-  flown.flight = sampleFreeFlight(*uniform_, *range, channels, u.x, u.y);
-  if (flown.flight.t) path.ray.tMax = *flown.flight.t;
-  flown.hit = toSurface();
-  if (flown.hit) {
-    const float way = std::max(0.f, std::min(path.ray.tMax, range->t1) - range->t0);
-    flown.flight = {std::nullopt, flightPast(*uniform_, way, channels)};
+  FreeFlight flight;
+  if (volume->proportions() != nullptr) {
+    flight = sampleFreeFlight(*volume, path.ray, *range, channels, u.x, u.y);
+  } else {
+    medium.assign(*volume, path.ray, *range);
+    flight = sampleFreeFlight(medium, channels, u.x, u.y);
   }
-  return flown;
+  path.collision = flight.t;
+  path.power *= flight.weight;
+  return hit;
+}
+
+/// The flight first: surfaces behind its end need not be found.
+std::optional<SurfaceInteraction> PhotonTracer::flyThroughUniform(Path& path, Vec2 u,
+                                                                  Stats& stats) const {
+  const auto flight = uniform_->sample(path.ray, path.start, path.power, u);
+  if (!flight) return nextSurface(path, stats);
+  if (flight->collides) path.ray.tMax = flight->range.t1;
+  auto hit = nextSurface(path, stats);
+  if (flight->collides && !hit) {
+    path.collision = flight->range.t1;
+    path.power *= uniform_->weightAtCollision(*flight);
+  } else {
+    path.power *= uniform_->weightAt(*flight, hit ? distance(path.ray.o, hit->p) : kInfinity);
+  }
+  return hit;
+}
+
+Rgb PhotonTracer::albedoAt(float t, const MediumAlongRay& medium) const {
+  return albedo_ ? *albedo_ : albedoOf(medium.at(t));
 }
 
 void PhotonTracer::tracePath(PathRandom random, PhotonClasses wanted, std::vector<Photon>& photons,
@@ -184,18 +208,17 @@ void PhotonTracer::tracePath(PathRandom random, PhotonClasses wanted, std::vecto
     stats.add(Stat::PhotonSegments);
     // The numbers of a free flight are drawn in any case, so that later ones keep their dimension.
     const Vec2 u = random.get2D();
-    const auto [hit, flight] = fly(path, medium, u, stats);
-    path.power *= flight.weight;
+    const std::optional<SurfaceInteraction> hit = fly(path, medium, u, stats);
     if (!(largestChannel(path.power) > 0)) return;
 
     const bool mayScatter = !request_.maxDepth || path.scatterings < *request_.maxDepth;
-    if (flight.t) {
+    if (path.collision) {
+      const float t = *path.collision;
       const PhotonClass c = volumeClass(path.stage);
       if (wanted.contains(c))
-        photons.push_back(Photon::inMedium(path.ray(*flight.t), -path.ray.d, path.power, c));
+        photons.push_back(Photon::inMedium(path.ray(t), -path.ray.d, path.power, c));
       if (!mayScatter || request_.passiveMedia) return;
-      const MediumCoefficients here = uniform_ ? uniform_->coefficients : medium.at(*flight.t);
-      if (!scatterInMedium(path, *flight.t, albedoOf(here), random)) return;
+      if (!scatterInMedium(path, albedoAt(t, medium), random)) return;
     } else if (hit) {
       if (!mayScatter) wanted = wanted & kSurfacePhotons;
       if (!scatterAtSurface(path, *hit, wanted, photons, random) || !mayScatter) return;
@@ -224,7 +247,7 @@ PhotonSet PhotonTracer::trace(std::uint64_t seed, std::uint64_t pass, const Path
   if (!hasLights()) return set;
   const auto count = static_cast<std::int64_t>(*std::max_element(paths.begin(), paths.end()));
   const auto chunks = static_cast<std::size_t>((count + kChunk - 1) / kChunk);
-  const std::uint64_t key = PathRandom::passKey(seed, pass);
+  const PassRandom random(seed, pass);
   std::array<float, kPhotonClasses> share{};
   for (std::size_t c = 0; c < kPhotonClasses; ++c)
     share[c] = paths[c] > 0 ? static_cast<float>(1.0 / static_cast<double>(paths[c])) : 0.f;
@@ -236,13 +259,23 @@ PhotonSet PhotonTracer::trace(std::uint64_t seed, std::uint64_t pass, const Path
   std::vector<Chunk> parts(chunks);
   forEachChunk(count, kChunk, [&](std::int64_t begin, std::int64_t end, std::int64_t chunk) {
     if (stop.load(std::memory_order_relaxed)) return;
+    thread_local std::vector<Photon> photons;  // reused, so that its memory is
+    photons.clear();
     Chunk& part = parts[static_cast<std::size_t>(chunk)];
-    for (std::int64_t i = begin; i < end; ++i) {
-      const PhotonClasses wanted = wantedOf(paths, static_cast<std::uint64_t>(i)) & request_.wanted;
-      tracePath(PathRandom(key, static_cast<std::uint32_t>(i)), wanted, part.photons, part.stats);
+    for (std::int64_t some = begin; some < end; some += PassRandom::kAtOnce) {
+      const auto points = random.points(static_cast<std::uint32_t>(some));
+      const std::int64_t last = std::min<std::int64_t>(end, some + PassRandom::kAtOnce);
+      for (std::int64_t i = some; i < last; ++i) {
+        const PhotonClasses wanted =
+            wantedOf(paths, static_cast<std::uint64_t>(i)) & request_.wanted;
+        tracePath(
+            {random, static_cast<std::uint32_t>(i), points[static_cast<std::size_t>(i - some)]},
+            wanted, photons, part.stats);
+      }
     }
-    for (Photon& photon : part.photons)
+    for (Photon& photon : photons)
       photon.power *= share[static_cast<std::size_t>(photon.photonClass())];
+    part.photons.assign(photons.begin(), photons.end());
   });
   set.isComplete = !stop.load(std::memory_order_relaxed);
   if (!set.isComplete) return set;

@@ -67,22 +67,21 @@ class PhotonTracer {
 
  private:
   struct Path;
-  /// How far a path gets: a collision (flight.t), or a surface, or neither.
-  struct Flown {
-    std::optional<SurfaceInteraction> hit;
-    FreeFlight flight;
-  };
-  struct Scratch;
   bool emit(PathRandom& random, Path& path) const;
-  Flown fly(Path& path, MediumAlongRay& medium, Vec2 u, Stats& stats) const;
+  std::optional<SurfaceInteraction> fly(Path& path, MediumAlongRay& medium, Vec2 u,
+                                        Stats& stats) const;
+  std::optional<SurfaceInteraction> flyThroughUniform(Path& path, Vec2 u, Stats& stats) const;
+  std::optional<SurfaceInteraction> nextSurface(const Path& path, Stats& stats) const;
   Ball mediaToAimAt() const;
-  bool scatterInMedium(Path& path, float t, const Rgb& albedo, PathRandom& random) const;
+  Rgb albedoAt(float t, const MediumAlongRay& medium) const;
+  bool scatterInMedium(Path& path, const Rgb& albedo, PathRandom& random) const;
   bool scatterAtSurface(Path& path, const SurfaceInteraction& at, PhotonClasses wanted,
                         std::vector<Photon>& photons, PathRandom& random) const;
 
   const Scene& scene_;
   PhotonRequest request_;
-  std::optional<UniformMedium> uniform_;  ///< all there is, where it is that simple
+  std::optional<UniformFlights> uniform_;  // all there is, where it is that simple
+  std::optional<Rgb> albedo_;              // of all points, where the media are one
   Ball media_;  // around those whose photons are wanted; radius 0: none are
   PhotonSources sources_;
 };

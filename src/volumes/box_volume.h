@@ -63,6 +63,7 @@ class BoxVolume : public Volume {
   }
   float phasePeak() const final { return phase_->peak(); }
   std::optional<float> henyeyGreenstein() const final { return phase_->henyeyGreenstein(); }
+  const MediumCoefficients* proportions() const final { return isTracked() ? nullptr : &unit_; }
   std::optional<UniformMedium> uniform() const final {
     const auto g = phase_->henyeyGreenstein();
     return isConstant() && g ? std::optional(UniformMedium{unit_, *g}) : std::nullopt;

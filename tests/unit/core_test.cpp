@@ -135,6 +135,16 @@ TEST(Sampling, WarpsKeepTheirMoments) {
   EXPECT_NEAR(disk.x / (n * n), 0, 1e-4);
 }
 
+TEST(Sampling, CosineAndSineOfTurns) {
+  constexpr int n = 1 << 18;
+  for (int i = 0; i <= n; ++i) {
+    const float u = static_cast<float>(i) / n;
+    const Vec2 cs = cosSinOfTurns(u);
+    ASSERT_NEAR(cs.x, std::cos(2 * M_PI * double{u}), 1.5e-7) << u;
+    ASSERT_NEAR(cs.y, std::sin(2 * M_PI * double{u}), 1.5e-7) << u;
+  }
+}
+
 TEST(Sampling, Distribution1DSamplesItsDensity) {
   const std::vector<float> values{0, 1, 0, 3, 0};
   const Distribution1D d(values);

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/sampling.h"
 #include "support/volumes.h"
 
 namespace brume {
@@ -35,25 +36,97 @@ TEST(FreeFlight, ThinMediaCollideByTheirDepth) {
   }
 }
 
+/// Flights through all that the ray meets, by what knows the medium least.
+FreeFlight byLookup(const Volume& volume, const Ray& ray, const Rgb& power, Vec2 u) {
+  const auto range = volume.intersect(ray);
+  if (!range) return {};
+  return sampleFreeFlight(MediumAlongRay(volume, ray, *range), flightChannels(power), u.x, u.y);
+}
+
+void expectAlike(const FreeFlight& a, const FreeFlight& b) {
+  ASSERT_EQ(a.t.has_value(), b.t.has_value());
+  EXPECT_NEAR(a.t.value_or(0), b.t.value_or(0), 1e-5f * a.t.value_or(0));
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(a.weight[c], b.weight[c], 1e-4f * a.weight[c]);
+}
+
 TEST(FreeFlight, UniformMediaNeedNoLookup) {
+  // Grey media draw from other bits of the numbers: the same channel must draw in both.
   Rng rng(1);
   for (const Rgb& sigma_s : {Rgb(2), Rgb(2, 1, 0.5f), Rgb(0, 3, 0.1f), Rgb(0)}) {
     test::MediumSpec spec;
     spec.sigma_s = sigma_s;
     const auto volume = test::makeHomogeneous(spec);
-    const Ray ray{Vec3(0.5f, 0.5f, -1), Vec3(0, 0, 1)};
-    const Interval range = *volume->intersect(ray);
-    const MediumAlongRay medium(*volume, ray, range);
-    for (int i = 0; i < 500; ++i) {
-      const Rgb channels = flightChannels(Rgb(rng.uniform(), rng.uniform(), rng.uniform()));
-      const float uChannel = rng.uniform(), uDepth = rng.uniform();
-      const FreeFlight a = sampleFreeFlight(medium, channels, uChannel, uDepth),
-                       b = sampleFreeFlight(*volume->uniform(), range, channels, uChannel, uDepth);
-      ASSERT_EQ(a.t.has_value(), b.t.has_value());
-      EXPECT_NEAR(a.t.value_or(0), b.t.value_or(0), 1e-6f * a.t.value_or(0));
-      for (int c = 0; c < 3; ++c) EXPECT_NEAR(a.weight[c], b.weight[c], 1e-5f * a.weight[c]);
+    const auto flights = UniformFlights::through(*volume);
+    ASSERT_TRUE(flights);
+    const Vec3 centre = volume->bounds().center();
+    int inside = 0;
+    for (int i = 0; i < 2000; ++i) {
+      const Ray ray{centre + 2.f * sampleUniformSphere(rng.uniform2()) * rng.uniform(),
+                    sampleUniformSphere(rng.uniform2())};
+      const bool isInside = volume->bounds().contains(ray.o);
+      inside += isInside ? 1 : 0;
+      const Rgb power =
+          sigma_s == Rgb(2) ? Rgb(1, 0, 0) : Rgb(rng.uniform(), rng.uniform(), rng.uniform());
+      const Vec2 u = rng.uniform2();
+      const FreeFlight a = byLookup(*volume, ray, power, u);
+      for (const auto start : {UniformFlights::Start::Anywhere, UniformFlights::Start::InMedium}) {
+        if (start == UniformFlights::Start::InMedium && !isInside) continue;
+        const auto flight = flights->sample(ray, start, power, u);
+        FreeFlight b;
+        if (flight && flight->collides)
+          b = {flight->range.t1, flights->weightAtCollision(*flight)};
+        else if (flight)
+          b = {std::nullopt, flights->weightAt(*flight, kInfinity)};
+        expectAlike(a, b);
+      }
     }
+    EXPECT_GT(inside, 100);
   }
+}
+
+TEST(FreeFlight, EndOfAUniformFlightByASurfaceCountsTheWayToIt) {
+  test::MediumSpec spec;
+  spec.sigma_s = Rgb(2, 1, 0.5f);
+  const auto volume = test::makeHomogeneous(spec);
+  const auto flights = UniformFlights::through(*volume);
+  Ray ray{Vec3(0.5f, 0.5f, -1), Vec3(0, 0, 1)};
+  const Rgb power(0.2f, 0.5f, 0.3f);
+  const Vec2 far(0.3f, kOneMinusEpsilon);
+  const auto flight = flights->sample(ray, UniformFlights::Start::Anywhere, power, far);
+  ASSERT_TRUE(flight && !flight->collides);
+  for (const float t : {0.5f, 1.25f, 1.75f, 3.f}) {
+    ray.tMax = t;
+    const auto range = volume->intersect(ray);
+    const Rgb Tr = range ? volume->transmittance(ray, *range) : Rgb(1);
+    const float mean = dot(Vec3(power.r, power.g, power.b), Vec3(Tr.r, Tr.g, Tr.b));
+    for (int c = 0; c < 3; ++c)
+      EXPECT_NEAR(flights->weightAt(*flight, t)[c], Tr[c] / mean, 1e-5f) << t;
+  }
+}
+
+TEST(FreeFlight, ProportionalMediaNeedOneWalk) {
+  Rng rng(1);
+  for (const bool isGrid : {true, false})
+    for (const Rgb& sigma_s : {Rgb(2), Rgb(2, 1, 0.5f), Rgb(0, 3, 0.1f)}) {
+      test::MediumSpec spec;
+      spec.sigma_s = sigma_s;
+      const auto volume =
+          isGrid ? test::makeGrid(spec, 3, 2, 2, {1, 2, 0, .5f, 3, 1, 0, 0, .1f, 2, 1, 4})
+                 : test::makeExponential(spec, 1.f, 2.f);
+      ASSERT_NE(volume->proportions(), nullptr);
+      const Vec3 centre = volume->bounds().center();
+      for (int i = 0; i < 1000; ++i) {
+        const Ray ray{centre + 2.f * sampleUniformSphere(rng.uniform2()) * rng.uniform(),
+                      sampleUniformSphere(rng.uniform2())};
+        const auto range = volume->intersect(ray);
+        if (!range) continue;
+        const Rgb power =
+            sigma_s == Rgb(2) ? Rgb(1, 0, 0) : Rgb(rng.uniform(), rng.uniform(), rng.uniform());
+        const Vec2 u = rng.uniform2();
+        expectAlike(byLookup(*volume, ray, power, u),
+                    sampleFreeFlight(*volume, ray, *range, flightChannels(power), u.x, u.y));
+      }
+    }
 }
 
 TEST(FreeFlight, WeightsAreThoseOfTheMeanDensity) {
