@@ -1,52 +1,44 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "transport/light_tree.h"
 
+#include "accelerators/lanes_math.h"
 #include "core/error.h"
 
 namespace brume {
 namespace {
 
-/// Radii and angles are widened by this, so that rounding never cuts a light off.
-constexpr double kSlack = 1e-5;
+/// Angles are widened by this cosine, so that rounding never cuts a light off: the sine of a small
+/// angle is off by some 3e-4 when it comes from a float cosine.
+constexpr float kSlack = 1e-3f;
+/// Radii likewise.
+constexpr double kRadiusSlack = 1e-5;
 /// Share of r^2 that is added to the squared distance from a cluster's centre.
-constexpr double kSpread = 0.1;
-/// Nodes of a cut through the tree.
-constexpr std::size_t kMostNodes = 32;
+constexpr float kSpread = 0.1f;
+/// Squared distances in the space of the tree are at least, coordinates at most.
+constexpr float kNearest2 = 1e-30f;
+constexpr double kFarthest = 1e15;
 /// Up to this number of lights all nodes are opened.
 constexpr std::size_t kFewLights = 16;
 /// Light at the border of a cluster's emission still counts this much.
-constexpr double kLeastFalloff = 0.05;
+constexpr float kLeastFalloff = 0.05f;
 
-/// An angle in [0, pi] by its cosine and sine.
-struct Angle {
-  double cos = 1, sin = 0;
-  static Angle ofCosine(double c) {
-    c = std::clamp(c, -1.0, 1.0);
-    return {c, std::sqrt(1 - c * c)};
-  }
-  static Angle ofSine(double s) { return {std::sqrt(std::max(0.0, 1 - s * s)), s}; }
-};
-/// max(0, a - b)
-Angle minus(const Angle& a, const Angle& b) {
-  if (a.cos >= b.cos) return {};
-  return {a.cos * b.cos + a.sin * b.sin, a.sin * b.cos - a.cos * b.sin};
-}
+namespace generic {
+using namespace lanes_generic;
+#define BRUME_KERNEL
+#include "transport/light_clusters.inl"
+#undef BRUME_KERNEL
+}  // namespace generic
 
-/// About the angle of (x, y), y >= 0, to within 0.3 %: whatever it is, it is the same whenever a
-/// probability is asked for.
-double roughAngle(double y, double x) {
-  const double a = std::abs(x), small = std::min(a, y), large = std::max(a, y);
-  const double q = large > 0 ? small / large : 0;
-  double angle = q * (M_PI_4 + 0.273 * (1 - q));
-  if (y > a) angle = M_PI_2 - angle;
-  return x < 0 ? M_PI - angle : angle;
-}
-
-/// Part of a cluster's intensity that may leave it at an angle to its axes; 0 when nothing does.
-double falloff(const LightCluster& c, const Angle& toAxes) {
-  if (toAxes.cos + kSlack < double{c.cosEmission}) return 0;
-  return c.cosEmission >= 0 ? std::max(toAxes.cos, kLeastFalloff) : 1;
-}
+#if BRUME_HAS_AVX2
+namespace avx2 {
+using namespace lanes_avx2;
+#define BRUME_KERNEL BRUME_AVX2
+#include "transport/light_clusters.inl"
+#undef BRUME_KERNEL
+}  // namespace avx2
+#else
+namespace avx2 = generic;
+#endif
 
 }  // namespace
 
@@ -57,62 +49,57 @@ std::vector<const Light*> emittingLights(const Scene& scene) {
   return result;
 }
 
-LightCluster::LightCluster(const LightBounds& bounds)
-    : center(bounds.box.center()),
-      radius(static_cast<float>(0.5 * length(Vec3d(bounds.box.hi) - Vec3d(bounds.box.lo)) *
-                                (1 + kSlack))),
-      axis(bounds.axes.axis),
-      cosAxes(bounds.axes.cosine),
-      sinAxes(safeSqrt(1 - sqr(bounds.axes.cosine))),
-      cosEmission(bounds.cosEmission),
-      // Finite, so that sums are; and so small a part of double's range that no quotient overflows.
-      intensity(std::min(bounds.intensity, 1e60)) {}
-
-ClusterView PointReceiver::see(const LightCluster& c) const {
-  const Vec3d d = Vec3d(c.center) - p_;
-  const double d2 = dot(d, d), r2 = sqr(double{c.radius});
-  double value = c.intensity / std::max(d2 + kSpread * r2, 1e-60);
-  if (d2 <= r2) return {value, true};
-  const bool isEverything = c.cosAxes <= -1;
-  if (isEverything && !hasNormal_) return {value};
-
-  const double l = std::sqrt(d2);
-  const Angle ball = Angle::ofSine(double{c.radius} / l);
-  if (!isEverything) {
-    const Angle axis = Angle::ofCosine(-dot(Vec3d(c.axis), d) / l);
-    value *= falloff(c, minus(minus(axis, {double{c.cosAxes}, double{c.sinAxes}}), ball));
-  }
-  if (hasNormal_)
-    value *= std::max(minus(Angle::ofCosine(std::abs(dot(n_, d)) / l), ball).cos, kSlack);
-  return {value};
+void LightClusters::set(std::size_t lane, const LightBounds& bounds, const Vec3d& center,
+                        double scale, double strongest) {
+  const Vec3d c = (Vec3d(bounds.box.center()) - center) * scale;
+  x[lane] = static_cast<float>(c.x);
+  y[lane] = static_cast<float>(c.y);
+  z[lane] = static_cast<float>(c.z);
+  const double diameter = length(Vec3d(bounds.box.hi) - Vec3d(bounds.box.lo));
+  radius[lane] = static_cast<float>(0.5 * diameter * scale * (1 + kRadiusSlack));
+  intensity[lane] = static_cast<float>(bounds.intensity / strongest);
+  axisX[lane] = bounds.axes.axis.x;
+  axisY[lane] = bounds.axes.axis.y;
+  axisZ[lane] = bounds.axes.axis.z;
+  cosAxes[lane] = bounds.axes.cosine;
+  sinAxes[lane] = safeSqrt(1 - sqr(bounds.axes.cosine));
+  cosEmission[lane] = bounds.cosEmission;
+  isUniform = isUniform && bounds.axes.isEverything();
 }
 
-RayReceiver::RayReceiver(const Ray& ray, Interval range)
-    : o_(ray.o), d_(ray.d), t0_(double{range.t0}), t1_(double{range.t1}) {}
-
-ClusterView RayReceiver::see(const LightCluster& c) const {
-  const Vec3d toCenter = Vec3d(c.center) - o_;
-  const double foot = dot(toCenter, d_), a = t0_ - foot, b = t1_ - foot, r2 = sqr(double{c.radius});
-  const Vec3d offset = toCenter - d_ * foot;
-  const double aside2 = dot(offset, offset), reach = std::max(std::abs(a), std::abs(b));
-  const double D = std::sqrt(std::max({aside2 + kSpread * r2, sqr(1e-6 * reach), 1e-60}));
-  const double value = c.intensity * roughAngle(D * (b - a), D * D + a * b) / D;
-
-  const double nearest = a > 0 ? a : b < 0 ? b : 0, nearest2 = aside2 + nearest * nearest;
-  if (nearest2 <= r2) return {value, true};
-  if (c.cosAxes <= -1) return {value};
-  // The directions from the centre to the stretch fill an arc; from the ball, a cone around it.
-  const Vec3d sum = normalize(d_ * a - offset) + normalize(d_ * b - offset);
-  const double l = length(sum);
-  if (l < 1e-3) return {value};
-  const Angle axis = Angle::ofCosine(dot(Vec3d(c.axis), sum) / l);
-  const Angle toAxes =
-      minus(minus(minus(axis, {double{c.cosAxes}, double{c.sinAxes}}), Angle::ofCosine(0.5 * l)),
-            Angle::ofSine(std::sqrt(r2 / nearest2)));
-  return {value * falloff(c, toAxes)};
+PointReceiver::Local PointReceiver::in(const LightTreeSpace& space) const {
+  const Vec3d p = (Vec3d(p_) - space.center) * space.scale;
+  return {Vec3(min(max(p, Vec3d(-kFarthest)), Vec3d(kFarthest))), n_, hasNormal_,
+          space.strongest * sqr(space.scale)};
 }
 
-/// Splits sets of lights until one is left.
+void PointReceiver::Local::see(const LightClusters& clusters, ClusterViews& views) const {
+  if (hasAvx2())
+    avx2::seeFromPoint(*this, clusters, views);
+  else
+    generic::seeFromPoint(*this, clusters, views);
+}
+
+RayReceiver::Local RayReceiver::in(const LightTreeSpace& space) const {
+  // From the line's point nearest to the centre no digits are lost to a far origin.
+  const Vec3d d(ray_.d), toCenter = space.center - Vec3d(ray_.o);
+  const double foot = dot(toCenter, d);
+  const auto local = [&](float t) {
+    return static_cast<float>(std::clamp((double{t} - foot) * space.scale, -kFarthest, kFarthest));
+  };
+  const Vec3d o = (d * foot - toCenter) * space.scale;
+  return {Vec3(min(max(o, Vec3d(-kFarthest)), Vec3d(kFarthest))), ray_.d, local(range_.t0),
+          local(range_.t1), space.strongest * space.scale};
+}
+
+void RayReceiver::Local::see(const LightClusters& clusters, ClusterViews& views) const {
+  if (hasAvx2())
+    avx2::seeFromRay(*this, clusters, views);
+  else
+    generic::seeFromRay(*this, clusters, views);
+}
+
+/// Splits sets of lights until one is left, then joins the nodes of that tree by eights.
 class LightTree::Builder {
  public:
   struct Item {
@@ -120,34 +107,88 @@ class LightTree::Builder {
     std::uint32_t light;
   };
   Builder(LightTree& tree, std::span<Item> items) : tree_(tree) {
-    tree.nodes_.reserve(2 * items.size());
-    build(items, kNone);
+    binary_.reserve(2 * items.size());
+    build(items);
+    const LightBounds& all = binary_[0].bounds;
+    const double radius = 0.5 * length(Vec3d(all.box.hi) - Vec3d(all.box.lo));
+    double strongest = 0;
+    for (const Item& item : items) strongest = std::max(strongest, item.bounds.intensity);
+    tree.space_ = {Vec3d(all.box.center()), radius > 0 ? 1 / radius : 1, strongest};
+    join(0, kNone, 0);
   }
 
  private:
   static constexpr int kBuckets = 12;
+  struct Binary {
+    LightBounds bounds;
+    std::uint32_t second = kNone;  // the first child follows its parent; none: a leaf
+    std::uint32_t light = kNone;   // of a leaf
+  };
 
-  void build(std::span<Item> items, std::uint32_t parent);
+  void build(std::span<Item> items);
+  std::uint32_t join(std::uint32_t binary, std::uint32_t parent, std::uint32_t place);
   std::size_t split(std::span<Item> items, const LightBounds& whole) const;
   static double cost(const LightBounds& bounds);
 
   LightTree& tree_;
+  std::vector<Binary> binary_;
 };
 
-void LightTree::Builder::build(std::span<Item> items, std::uint32_t parent) {
+void LightTree::Builder::build(std::span<Item> items) {
   LightBounds whole;
   for (const Item& item : items) whole += item.bounds;
-  const auto index = static_cast<std::uint32_t>(tree_.nodes_.size());
-  tree_.nodes_.push_back({LightCluster(whole), parent});
+  const auto index = static_cast<std::uint32_t>(binary_.size());
+  binary_.push_back({whole});
   if (items.size() == 1) {
-    tree_.nodes_[index].light = items[0].light;
-    tree_.leafOf_[items[0].light] = index;
+    binary_[index].light = items[0].light;
     return;
   }
   const std::size_t middle = split(items, whole);
-  build(items.first(middle), index);
-  tree_.nodes_[index].second = static_cast<std::uint32_t>(tree_.nodes_.size());
-  build(items.subspan(middle), index);
+  build(items.first(middle));
+  binary_[index].second = static_cast<std::uint32_t>(binary_.size());
+  build(items.subspan(middle));
+}
+
+/// Makes a node of what stands below one of the binary tree: its children, the widest of which
+/// make room for their own until the node is full.
+std::uint32_t LightTree::Builder::join(std::uint32_t root, std::uint32_t parent,
+                                       std::uint32_t place) {
+  std::array<std::uint32_t, kWidth> below{root};
+  std::size_t count = 1;
+  while (count < kWidth) {
+    std::size_t widest = kWidth;
+    double most = -1;
+    for (std::size_t i = 0; i < count; ++i) {
+      const Binary& b = binary_[below[i]];
+      const Vec3d diagonal = Vec3d(b.bounds.box.hi) - Vec3d(b.bounds.box.lo);
+      if (b.light != kNone || !(dot(diagonal, diagonal) > most)) continue;
+      most = dot(diagonal, diagonal);
+      widest = i;
+    }
+    if (widest == kWidth) break;
+    below[count++] = binary_[below[widest]].second;
+    ++below[widest];
+  }
+
+  const auto index = static_cast<std::uint32_t>(tree_.nodes_.size());
+  tree_.nodes_.emplace_back();
+  tree_.nodes_[index].parent = parent;
+  tree_.nodes_[index].place = place;
+  tree_.nodes_[index].count = static_cast<std::uint32_t>(count);
+  const LightTreeSpace& space = tree_.space_;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const Binary& b = binary_[below[i]];
+    tree_.nodes_[index].clusters.set(i, b.bounds, space.center, space.scale, space.strongest);
+    if (b.light != kNone) {
+      tree_.nodes_[index].isLight |= 1u << i;
+      tree_.nodes_[index].child[i] = b.light;
+      tree_.leafOf_[b.light] = index * static_cast<std::uint32_t>(kWidth) + i;
+    } else {
+      const std::uint32_t child = join(below[i], index, i);
+      tree_.nodes_[index].child[i] = child;
+    }
+  }
+  return index;
 }
 
 /// Surface area orientation heuristic: intensity times the measure of the directions times the
@@ -241,116 +282,126 @@ std::optional<std::uint32_t> LightTree::indexOf(const Light* light) const {
   return it->second;
 }
 
-/// Nodes that hold every light once, in the order of the tree, with their importance. The same for
-/// the same receiver.
-struct LightTree::Cut {
-  std::array<std::uint32_t, kMostNodes> nodes;
-  std::array<double, kMostNodes> importance;
-  std::size_t count = 0;
-  double unbounded = 0, total = 0;
-
-  /// The node that holds a leaf: indices grow along the tree.
-  std::size_t holder(std::uint32_t leaf) const {
-    std::size_t i = 0;
-    while (i + 1 < count && nodes[i + 1] <= leaf) ++i;
-    return i;
-  }
-};
-
 template <class Receiver>
-void LightTree::makeCut(const Receiver& receiver, Cut& cut) const {
-  cut.total = cut.unbounded = unbounded_.empty() ? 0 : receiver.importance(unboundedIrradiance_);
-  if (nodes_.empty()) return;
+auto LightTree::cut(const Receiver& receiver) const -> Cut<Receiver> {
+  Cut<Receiver> cut;
+  if (lights_.size() == 1) return cut;  // of which nothing is asked
+  cut.receiver_ = receiver.in(space_);
+  cut.unit_ = cut.receiver_.unit;
+  cut.perIrradiance_ = receiver.importance(1);
+  cut.unbounded_ = unboundedIrradiance_ * cut.perIrradiance_;
+  cut.total_ = cut.unbounded_;
+  if (nodes_.empty()) return cut;
   const bool areFew = lights_.size() <= kFewLights;
-  std::array<std::uint32_t, kMostNodes> stack;
-  std::size_t waiting = 0;
-  stack[waiting++] = 0;
-  while (waiting > 0) {
-    const std::uint32_t index = stack[--waiting];
-    const Node& node = nodes_[index];
-    const ClusterView view = receiver.see(node.cluster);
-    if (node.light == kNone && (view.isInside || areFew) && cut.count + waiting + 2 <= kMostNodes) {
-      stack[waiting++] = node.second;
-      stack[waiting++] = index + 1;
-      continue;
+  cut.nodes_[cut.count_++] = 0;
+  for (std::size_t k = 0; k < cut.count_; ++k) {
+    const Node& node = nodes_[cut.nodes_[k]];
+    ClusterViews views;
+    cut.receiver_.see(node.clusters, views);
+    double sum = 0;
+    for (std::uint32_t i = 0; i < node.count; ++i) {
+      const bool isOpened = (node.isLight >> i & 1) == 0 && cut.count_ < kMostOpen &&
+                            (areFew || (views.isOutside >> i & 1) == 0);
+      if (isOpened) {
+        cut.nodes_[cut.count_++] = node.child[i];
+        views.importance[i] = 0;
+      }
+      sum += double{views.importance[i]};
     }
-    cut.nodes[cut.count] = index;
-    cut.importance[cut.count++] = view.importance;
-    cut.total += view.importance;
+    cut.importance_[k] = views.importance;
+    cut.sums_[k] = sum;
+    cut.total_ += sum * cut.unit_;
   }
+  return cut;
 }
 
 /// Walks down from a node: one child by its importance, and what is left of x for the next.
-template <class Receiver>
-auto LightTree::descend(const Receiver& receiver, std::uint32_t node, double x, double p) const
+template <class Local>
+auto LightTree::descend(const Local& receiver, std::uint32_t index, double x, double p) const
     -> Drawn {
-  while (nodes_[node].light == kNone) {
-    const double first = receiver.see(nodes_[node + 1].cluster).importance,
-                 second = receiver.see(nodes_[nodes_[node].second].cluster).importance;
-    const double sum = first + second;
+  for (;;) {
+    const Node& node = nodes_[index];
+    ClusterViews views;
+    receiver.see(node.clusters, views);
+    double sum = 0;
+    for (std::uint32_t i = 0; i < node.count; ++i) sum += double{views.importance[i]};
     if (!(sum > 0)) return {};
-    const double share = first / sum;
-    if (x < share) {
-      x /= share;
-      p *= share;
-      node = node + 1;
-    } else {
-      x = (x - share) / (second / sum);
-      p *= second / sum;
-      node = nodes_[node].second;
+    x *= sum;
+    std::uint32_t chosen = 0;
+    for (std::uint32_t i = 0; i < node.count; ++i) {
+      const double importance = double{views.importance[i]};
+      if (!(importance > 0)) continue;
+      chosen = i;
+      if (x < importance) break;
+      x -= importance;
     }
+    const double importance = double{views.importance[chosen]};
+    p *= importance / sum;
+    if (node.isLight >> chosen & 1) return {node.child[chosen], p};
+    x = std::min(x / importance, 1.0);
+    index = node.child[chosen];
   }
-  return {nodes_[node].light, p};
 }
 
 /// One light by importance alone.
 template <class Receiver>
-auto LightTree::draw(const Receiver& receiver, double x) const -> Drawn {
-  Cut cut;
-  makeCut(receiver, cut);
-  if (!(cut.total > 0)) return {};
-  x *= cut.total;
-  if (x < cut.unbounded) {
+auto LightTree::draw(const Cut<Receiver>& cut, double x) const -> Drawn {
+  if (!(cut.total_ > 0)) return {};
+  x *= cut.total_;
+  if (x < cut.unbounded_) {
     for (std::uint32_t i : unbounded_) {
-      const double importance = receiver.importance(irradiance_[i]);
-      if (x < importance) return {i, importance / cut.total};
+      const double importance = irradiance_[i] * cut.perIrradiance_;
+      if (x < importance) return {i, importance / cut.total_};
       x -= importance;
     }
     return {};
   }
-  x -= cut.unbounded;
-  for (std::size_t i = 0; i < cut.count; ++i) {
-    if (x < cut.importance[i])
-      return descend(receiver, cut.nodes[i], x / cut.importance[i], cut.importance[i] / cut.total);
-    x -= cut.importance[i];
+  x = (x - cut.unbounded_) / cut.unit_;
+  for (std::size_t k = 0; k < cut.count_; ++k) {
+    if (!(x < cut.sums_[k])) {
+      x -= cut.sums_[k];
+      continue;
+    }
+    const Node& node = nodes_[cut.nodes_[k]];
+    for (std::uint32_t i = 0; i < node.count; ++i) {
+      const double importance = double{cut.importance_[k][i]};
+      if (x < importance) {
+        const double p = importance * cut.unit_ / cut.total_;
+        if (node.isLight >> i & 1) return {node.child[i], p};
+        return descend(cut.receiver_, node.child[i], x / importance, p);
+      }
+      x -= importance;
+    }
   }
   return {};
 }
 
 template <class Receiver>
-double LightTree::probabilityByImportance(const Receiver& receiver, std::uint32_t light) const {
-  Cut cut;
-  makeCut(receiver, cut);
-  if (!(cut.total > 0)) return 0;
-  std::uint32_t node = leafOf_[light];
-  if (node == kNone) return receiver.importance(irradiance_[light]) / cut.total;
-  const std::size_t holder = cut.holder(node);
-  double p = cut.importance[holder] / cut.total;
-  // From the leaf up; importances vanish as they do on the way down.
-  while (node != cut.nodes[holder]) {
-    const std::uint32_t parent = nodes_[node].parent, second = nodes_[parent].second;
-    const double own = receiver.see(nodes_[node].cluster).importance,
-                 other =
-                     receiver.see(nodes_[node == second ? parent + 1 : second].cluster).importance;
-    if (!(own > 0)) return 0;
-    p *= own / (own + other);
-    node = parent;
+double LightTree::probabilityByImportance(const Cut<Receiver>& cut, std::uint32_t light) const {
+  if (!(cut.total_ > 0)) return 0;
+  if (leafOf_[light] == kNone) return irradiance_[light] * cut.perIrradiance_ / cut.total_;
+  // From the leaf up to an opened node; importances vanish as they do on the way down.
+  std::uint32_t index = leafOf_[light] / static_cast<std::uint32_t>(kWidth),
+                place = leafOf_[light] % static_cast<std::uint32_t>(kWidth);
+  double p = 1;
+  for (;;) {
+    for (std::size_t k = 0; k < cut.count_; ++k)
+      if (cut.nodes_[k] == index)
+        return p * double{cut.importance_[k][place]} * cut.unit_ / cut.total_;
+    const Node& node = nodes_[index];
+    ClusterViews views;
+    cut.receiver_.see(node.clusters, views);
+    if (!(views.importance[place] > 0)) return 0;
+    double sum = 0;
+    for (std::uint32_t i = 0; i < node.count; ++i) sum += double{views.importance[i]};
+    p *= double{views.importance[place]} / sum;
+    index = node.parent;
+    place = node.place;
   }
-  return p;
 }
 
 template <class Receiver>
-std::optional<LightTree::Choice> LightTree::choose(const Receiver& receiver, float u) const {
+std::optional<LightTree::Choice> LightTree::choose(const Cut<Receiver>& cut, float u) const {
   if (lights_.empty()) return std::nullopt;
   if (lights_.size() == 1) return Choice{lights_[0], 1.f};
   const double n = static_cast<double>(lights_.size()), even = evenShare_ / n;
@@ -359,25 +410,27 @@ std::optional<LightTree::Choice> LightTree::choose(const Receiver& receiver, flo
   };
   if (double{u} < evenShare_) {
     const auto light = static_cast<std::uint32_t>(std::min(double{u} / even, n - 1));
-    return choice(light, probabilityByImportance(receiver, light));
+    return choice(light, probabilityByImportance(cut, light));
   }
-  const Drawn drawn = draw(receiver, (double{u} - evenShare_) / (1 - evenShare_));
+  const Drawn drawn = draw(cut, (double{u} - evenShare_) / (1 - evenShare_));
   if (drawn.light == kNone) return std::nullopt;
   return choice(drawn.light, drawn.probability);
 }
 
 template <class Receiver>
-float LightTree::probability(const Receiver& receiver, const Light* light) const {
+float LightTree::probability(const Cut<Receiver>& cut, const Light* light) const {
   const auto index = indexOf(light);
   if (!index) return 0.f;
   if (lights_.size() == 1) return 1.f;
   return static_cast<float>(evenShare_ / static_cast<double>(lights_.size()) +
-                            (1 - evenShare_) * probabilityByImportance(receiver, *index));
+                            (1 - evenShare_) * probabilityByImportance(cut, *index));
 }
 
-template std::optional<LightTree::Choice> LightTree::choose(const PointReceiver&, float) const;
-template std::optional<LightTree::Choice> LightTree::choose(const RayReceiver&, float) const;
-template float LightTree::probability(const PointReceiver&, const Light*) const;
-template float LightTree::probability(const RayReceiver&, const Light*) const;
+template LightTree::Cut<PointReceiver> LightTree::cut(const PointReceiver&) const;
+template LightTree::Cut<RayReceiver> LightTree::cut(const RayReceiver&) const;
+template std::optional<LightTree::Choice> LightTree::choose(const Cut<PointReceiver>&, float) const;
+template std::optional<LightTree::Choice> LightTree::choose(const Cut<RayReceiver>&, float) const;
+template float LightTree::probability(const Cut<PointReceiver>&, const Light*) const;
+template float LightTree::probability(const Cut<RayReceiver>&, const Light*) const;
 
 }  // namespace brume

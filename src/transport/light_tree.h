@@ -2,6 +2,8 @@
 // Choice of one light among many, by what they can send to a point or to a stretch of a ray.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
@@ -14,23 +16,33 @@ namespace brume {
 /// nothing).
 std::vector<const Light*> emittingLights(const Scene& scene);
 
-/// LightBounds as a ball, with what a traversal needs of the angles.
-struct LightCluster {
-  Vec3 center{0};
-  float radius = 0;
-  Vec3 axis{0, 0, 1};
-  float cosAxes = -1, sinAxes = 0;  ///< half-angle of the axes' cone
-  float cosEmission = -1;
-  double intensity = 0;
+/// LightBounds as balls, with what a traversal needs of the angles: eight side by side, so that a
+/// receiver sees all of them in one loop. In the space of the tree: its centre 0, its radius 1, its
+/// strongest light 1. Unused places have no intensity.
+struct LightClusters {
+  static constexpr std::size_t kWidth = 8;
+  using Floats = std::array<float, kWidth>;
+  alignas(32) Floats x{}, y{}, z{}, radius{}, intensity{};
+  /// Half-angle of the axes' cone, and how far from it light goes.
+  alignas(32) Floats axisX{}, axisY{}, axisZ{}, cosAxes{}, sinAxes{}, cosEmission{};
+  bool isUniform = true;  ///< all of them shine everywhere
 
-  LightCluster() = default;
-  explicit LightCluster(const LightBounds& bounds);
+  void set(std::size_t lane, const LightBounds& bounds, const Vec3d& center, double scale,
+           double strongest);
 };
 
-/// What a receiver sees of a cluster.
-struct ClusterView {
-  double importance = 0;
-  bool isInside = false;  ///< some of the receiver lies in the ball: the estimate is poor
+/// What a receiver sees of eight clusters.
+struct ClusterViews {
+  alignas(32) LightClusters::Floats importance;
+  /// Bit per place. Not set: some of the receiver lies in the ball, so that the estimate is poor.
+  std::uint32_t isOutside = 0;
+};
+
+/// The space of a tree: p' = (p - center) * scale.
+struct LightTreeSpace {
+  Vec3d center{0};
+  double scale = 1;
+  double strongest = 1;  ///< intensity that is 1 there
 };
 
 /// A point that wants light: about the irradiance that a cluster can send it, visibility ignored,
@@ -42,13 +54,20 @@ class PointReceiver {
   explicit PointReceiver(const Vec3& p) : p_(p) {}
   /// On a surface of unit normal n; both sides count.
   PointReceiver(const Vec3& p, const Vec3& n) : p_(p), n_(n), hasNormal_(true) {}
-  ClusterView see(const LightCluster& cluster) const;
-  /// Of a light without bounds, whose irradiance is the same everywhere.
+
+  /// The same in the space of a tree.
+  struct Local {
+    Vec3 p{0}, n{0};
+    bool hasNormal = false;
+    double unit = 1;  ///< irradiance that is 1 here
+    void see(const LightClusters& clusters, ClusterViews& views) const;
+  };
+  Local in(const LightTreeSpace& space) const;
+  /// Of lights without bounds, whose irradiance is the same everywhere.
   double importance(double irradiance) const { return irradiance; }
 
  private:
-  Vec3d p_;
-  Vec3d n_{0};
+  Vec3 p_, n_{0};
   bool hasNormal_ = false;
 };
 
@@ -57,17 +76,25 @@ class PointReceiver {
 /// emission can meet it.
 class RayReceiver {
  public:
-  RayReceiver(const Ray& ray, Interval range);
-  ClusterView see(const LightCluster& cluster) const;
-  double importance(double irradiance) const { return irradiance * (t1_ - t0_); }
+  RayReceiver(const Ray& ray, Interval range) : ray_(ray), range_(range) {}
+
+  struct Local {
+    Vec3 o{0}, d{0};  ///< o is the line's point nearest to the centre
+    float t0 = 0, t1 = 0;
+    double unit = 1;
+    void see(const LightClusters& clusters, ClusterViews& views) const;
+  };
+  Local in(const LightTreeSpace& space) const;
+  double importance(double irradiance) const { return irradiance * double{range_.length()}; }
 
  private:
-  Vec3d o_, d_;
-  double t0_, t1_;
+  Ray ray_;
+  Interval range_;
 };
 
-/// Binary tree over the lights that have bounds, split by the surface area orientation heuristic.
-/// Nodes that surround the receiver are opened, up to a fixed number; one of those that remain is
+/// Tree over the lights that have bounds, eight children to a node: a binary one, split by the
+/// surface area orientation heuristic, of which each node takes in the widest nodes below it. Nodes
+/// that surround the receiver are opened, up to a fixed number; one of the clusters that remain is
 /// drawn by importance, and from there on one child after another. Lights without bounds stand
 /// beside the tree. A tenth of the probability is shared evenly by all, so that a strong light
 /// behind a wall cannot starve the others and none is ever missed. Time O(log n) per choice and per
@@ -87,12 +114,27 @@ class LightTree {
     const Light* light = nullptr;  ///< null: the emission of the media
     float probability = 0;
   };
-  /// Receiver: PointReceiver or RayReceiver. None without lights, and where no light can arrive.
+  /// Nodes opened for one receiver, PointReceiver or RayReceiver, with the importance of what is
+  /// not opened below: holds every light once. To ask several questions for one receiver.
   template <class Receiver>
-  std::optional<Choice> choose(const Receiver& receiver, float u) const;
+  class Cut;
+  template <class Receiver>
+  Cut<Receiver> cut(const Receiver& receiver) const;
+  /// None without lights, and where no light can arrive.
+  template <class Receiver>
+  std::optional<Choice> choose(const Cut<Receiver>& cut, float u) const;
   /// Of choosing this light; 0 for one that is not in the tree.
   template <class Receiver>
-  float probability(const Receiver& receiver, const Light* light) const;
+  float probability(const Cut<Receiver>& cut, const Light* light) const;
+
+  template <class Receiver>
+  std::optional<Choice> choose(const Receiver& receiver, float u) const {
+    return choose(cut(receiver), u);
+  }
+  template <class Receiver>
+  float probability(const Receiver& receiver, const Light* light) const {
+    return probability(cut(receiver), light);
+  }
 
   bool isEmpty() const { return lights_.empty(); }
   const std::vector<const Light*>& lights() const { return lights_; }
@@ -100,12 +142,17 @@ class LightTree {
   bool hasHittableLights() const { return hasHittable_; }
 
  private:
+  static constexpr std::size_t kWidth = LightClusters::kWidth;
   static constexpr std::uint32_t kNone = ~std::uint32_t{0};
+  /// Nodes of a cut.
+  static constexpr std::size_t kMostOpen = 8;
+
   struct Node {
-    LightCluster cluster;
-    std::uint32_t parent = kNone;
-    std::uint32_t second = kNone;  ///< the first child follows its parent; none: a leaf
-    std::uint32_t light = kNone;   ///< of a leaf
+    LightClusters clusters;
+    std::array<std::uint32_t, kWidth> child{};  ///< a node, or a light where isLight says so
+    std::uint32_t isLight = 0;                  ///< bit per place
+    std::uint32_t count = 0;
+    std::uint32_t parent = kNone, place = 0;  ///< the node above and where it holds this one
   };
   class Builder;
 
@@ -113,26 +160,43 @@ class LightTree {
     std::uint32_t light = kNone;
     double probability = 0;
   };
-  struct Cut;
+  template <class Local>
+  Drawn descend(const Local& receiver, std::uint32_t node, double x, double p) const;
   template <class Receiver>
-  void makeCut(const Receiver& receiver, Cut& cut) const;
+  Drawn draw(const Cut<Receiver>& cut, double x) const;
   template <class Receiver>
-  Drawn descend(const Receiver& receiver, std::uint32_t node, double x, double p) const;
-  template <class Receiver>
-  Drawn draw(const Receiver& receiver, double x) const;
-  template <class Receiver>
-  double probabilityByImportance(const Receiver& receiver, std::uint32_t light) const;
+  double probabilityByImportance(const Cut<Receiver>& cut, std::uint32_t light) const;
   std::optional<std::uint32_t> indexOf(const Light* light) const;
 
   std::vector<const Light*> lights_;
   std::vector<std::pair<const Light*, std::uint32_t>> sorted_;  // by address
   std::vector<double> irradiance_;                              // of those without bounds, else 0
-  std::vector<std::uint32_t> leafOf_;                           // node of each light, or kNone
+  std::vector<std::uint32_t> leafOf_;  // 8 times the node of each light plus its place, or kNone
   std::vector<std::uint32_t> unbounded_;
   std::vector<Node> nodes_;
+  LightTreeSpace space_;
   double unboundedIrradiance_ = 0;
   double evenShare_ = 0;
   bool hasHittable_ = false;
+};
+
+template <class Receiver>
+class LightTree::Cut {
+ private:
+  friend class LightTree;
+  typename Receiver::Local receiver_;
+  std::size_t count_ = 0;
+  std::array<std::uint32_t, kMostOpen> nodes_;
+  std::array<LightClusters::Floats, kMostOpen> importance_;  // 0 where a child is opened itself
+  std::array<double, kMostOpen> sums_;
+  double unit_ = 1;       // of these importances
+  double unbounded_ = 0;  // importance of lights without bounds
+  double total_ = 0;
+  double perIrradiance_ = 1;  // importance of an irradiance that is the same everywhere
+
+ public:
+  /// Knows nothing yet.
+  Cut() = default;
 };
 
 }  // namespace brume

@@ -94,12 +94,19 @@ bool SegmentLights::looksAt(const MediumAlongRay& medium, const Rgb& channels,
   return x * std::exp(-2 * x - tau) * most > kWorthLooking;
 }
 
+const LightTree::Cut<RayReceiver>& SegmentLights::cutFor(const MediumAlongRay& medium,
+                                                         Chances& chances) const {
+  if (!chances.isKnown_) chances.cut_ = lights_.cut(RayReceiver(medium.ray(), medium.range()));
+  chances.isKnown_ = true;
+  return chances.cut_;
+}
+
 std::optional<SegmentLights::Sample> SegmentLights::sample(const MediumAlongRay& medium,
-                                                           const Rgb& channels, float uChoice,
-                                                           float uDistance) const {
+                                                           const Rgb& channels, Chances& chances,
+                                                           float uChoice, float uDistance) const {
   const Ray& ray = medium.ray();
   const Interval range = medium.range();
-  const auto choice = lights_.choose(RayReceiver(ray, range), uChoice);
+  const auto choice = lights_.choose(cutFor(medium, chances), uChoice);
   if (!choice) return std::nullopt;
   const Vec3 position = *choice->light->position();
   if (!looksAt(medium, channels, position)) return std::nullopt;
@@ -109,15 +116,15 @@ std::optional<SegmentLights::Sample> SegmentLights::sample(const MediumAlongRay&
   return Sample{choice->light, at.t, choice->probability * at.pdf};
 }
 
-float SegmentLights::pdf(const MediumAlongRay& medium, const Rgb& channels, const Light& light,
-                         float t) const {
+float SegmentLights::pdf(const MediumAlongRay& medium, const Rgb& channels, Chances& chances,
+                         const Light& light, float t) const {
   if (!light.isDelta() || !light.position() || !mayHelp(medium, channels)) return 0;
   const Vec3 position = *light.position();
   if (!looksAt(medium, channels, position)) return 0;
   const Ray& ray = medium.ray();
   const Interval range = medium.range(), part = light.illuminated(ray, range);
   if (part.isEmpty() || !(t >= part.t0 && t <= part.t1)) return 0;
-  return lights_.probability(RayReceiver(ray, range), &light) *
+  return lights_.probability(cutFor(medium, chances), &light) *
          EquiangularSampler(ray, part, position).pdf(t);
 }
 

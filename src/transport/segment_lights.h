@@ -26,17 +26,31 @@ class SegmentLights {
     float t = 0;
     float pdf = 0;  ///< of light and t together [1/length]
   };
+  /// Which lights one segment looks at, found out when first asked for and kept.
+  class Chances {
+   public:
+    /// For the next segment.
+    void forget() { isKnown_ = false; }
+
+   private:
+    friend class SegmentLights;
+    LightTree::Cut<RayReceiver> cut_;
+    bool isKnown_ = false;
+  };
   /// `channels`: the probability of each channel to draw the flight. False: sample() is always
   /// empty and pdf() 0.
   bool mayHelp(const MediumAlongRay& medium, const Rgb& channels) const;
   /// None when the segment does not look at the light chosen. Requires mayHelp().
-  std::optional<Sample> sample(const MediumAlongRay& medium, const Rgb& channels, float uChoice,
-                               float uDistance) const;
-  float pdf(const MediumAlongRay& medium, const Rgb& channels, const Light& light, float t) const;
+  std::optional<Sample> sample(const MediumAlongRay& medium, const Rgb& channels, Chances& chances,
+                               float uChoice, float uDistance) const;
+  float pdf(const MediumAlongRay& medium, const Rgb& channels, Chances& chances, const Light& light,
+            float t) const;
   /// Whether a segment looks at a light at p.
   bool looksAt(const MediumAlongRay& medium, const Rgb& channels, const Vec3& p) const;
 
  private:
+  const LightTree::Cut<RayReceiver>& cutFor(const MediumAlongRay& medium, Chances& chances) const;
+
   LightTree lights_;
   Bounds3 media_;
   double mediaRadius_ = 0;

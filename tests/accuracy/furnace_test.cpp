@@ -51,6 +51,7 @@ std::vector<FurnaceCase> furnaces(bool all) {
       "Material \"matte\" \"color Kd\" [1 1 1]\nShape \"sphere\" \"float radius\" .6\n";
   cases.push_back({"around_a_ball", equalMedia(balanced)[0].text + ball});
   cases.push_back({"on_a_floor", unevenGrid(balanced) + floorAt(-1, 1, 1)});
+  cases.push_back({"bare_floor", floorAt(-1, 1, 1)});
   // Walls that emit what they absorb shut the sky out.
   cases.push_back({"in_an_emitting_box", unevenGrid("\"color sigma_s\" [1 2 4]") + emittingBox()});
   if (all)

@@ -61,11 +61,12 @@ TEST(SegmentLights, DensityIsThatOfTheSamples) {
         along(scene, Ray(from, test::randomDirection(rng), 1 + 6 * rng.uniform()));
     if (medium.isEmpty()) continue;
     double integral = 0;
+    SegmentLights::Chances chances;
     for (const auto& light : scene.lights()) {
       const double a = double{medium.range().t0}, b = double{medium.range().t1};
       integral += test::integrate(
           [&](double t) {
-            return double{lights.pdf(medium, kEven, *light, static_cast<float>(t))};
+            return double{lights.pdf(medium, kEven, chances, *light, static_cast<float>(t))};
           },
           a, b, 400);
     }
@@ -77,11 +78,11 @@ TEST(SegmentLights, DensityIsThatOfTheSamples) {
     constexpr int kSamples = 2000;
     int found = 0;
     for (int k = 0; k < kSamples; ++k) {
-      const auto s = lights.sample(medium, kEven, rng.uniform(), rng.uniform());
+      const auto s = lights.sample(medium, kEven, chances, rng.uniform(), rng.uniform());
       if (!s) continue;
       ++found;
       EXPECT_TRUE(lights.looksAt(medium, kEven, *s->light->position()));
-      ASSERT_NEAR(s->pdf, lights.pdf(medium, kEven, *s->light, s->t), 1e-5f * s->pdf);
+      ASSERT_NEAR(s->pdf, lights.pdf(medium, kEven, chances, *s->light, s->t), 1e-5f * s->pdf);
     }
     looked += found > 0;
     // Four standard errors of a share, and the quadrature's own.

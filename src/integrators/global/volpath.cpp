@@ -26,6 +26,7 @@ constexpr float kLongPathSurvival = 0.99f;
 struct Segment {
   MediumAlongRay medium;
   Rgb channels;
+  SegmentLights::Chances lights;
 
   /// Density of free flights at t [1/length]: the mean over the channels that may draw them.
   float flightPdf(float t) const {
@@ -189,7 +190,7 @@ class VolPath final : public RayGlobalIntegrator {
   }
   Rgb lightBehind(const PathState& path, const std::optional<SurfaceInteraction>& hit) const;
   float emissionWeight(const PathState& path, const MediumAlongRay& medium) const;
-  Rgb equiangularLight(const PathState& path, const Segment& segment, RenderContext& context) const;
+  Rgb equiangularLight(const PathState& path, Segment& segment, RenderContext& context) const;
   static Flight sampleFlight(PathState& path, const Segment& segment, RenderContext& context);
   template <class Vertex, class PointWeight>
   Rgb sampleLight(const Vertex& vertex, const Towards& towards, PointWeight&& pointWeight,
@@ -261,11 +262,12 @@ float VolPath::emissionWeight(const PathState& path, const MediumAlongRay& mediu
 /// under which the source sees the segment: like 1 / distance^2, which free flights do not follow,
 /// so that alone they have no finite variance around a point light. Weighted by the balance
 /// heuristic against the light that is sampled at the end of the free flight.
-Rgb VolPath::equiangularLight(const PathState& path, const Segment& segment,
+Rgb VolPath::equiangularLight(const PathState& path, Segment& segment,
                               RenderContext& context) const {
   if (!params_.equiangular || !segmentLights_.mayHelp(segment.medium, segment.channels)) return {};
   const float uChoice = context.samples.get1D(), uDistance = context.samples.get1D();
-  const auto at = segmentLights_.sample(segment.medium, segment.channels, uChoice, uDistance);
+  const auto at =
+      segmentLights_.sample(segment.medium, segment.channels, segment.lights, uChoice, uDistance);
   if (!at) return {};
   const MediumCoefficients medium = segment.medium.at(at->t);
   if (!(at->pdf > 0) || medium.sigma_s.isBlack()) return {};
@@ -431,6 +433,7 @@ Rgb VolPath::Li(const FootprintRay& cameraRay, int, RenderContext& context) cons
     Rgb behind = lightBehind(path, hit);
     if (range) {
       segment.medium.assign(*scene_.volume(), path.ray, *range);
+      segment.lights.forget();
       behind *= segment.medium.transmittance();
       const Rgb emitted = emission_.isEmpty() ? Rgb() : segment.medium.emission();
       if (!emitted.isBlack())
@@ -457,8 +460,8 @@ Rgb VolPath::Li(const FootprintRay& cameraRay, int, RenderContext& context) cons
     const auto flightWeight = [&](const LightTree::Choice& choice) {
       if (!params_.equiangular) return 1.f;
       const float here = choice.probability * flight.pdf;
-      return here / (here + segmentLights_.pdf(segment.medium, segment.channels, *choice.light,
-                                               *flight.t));
+      return here / (here + segmentLights_.pdf(segment.medium, segment.channels, segment.lights,
+                                               *choice.light, *flight.t));
     };
     if (flight.t) context.stats.add(Stat::VolumeSamples);
     const bool goesOn =
