@@ -242,7 +242,8 @@ std::vector<double> weightsOf(const PixelLight& light) {
 FirstRadii firstRadii(const Scene& scene, const CameraPaths& paths, const PassContext& context,
                       const PhotonSet& pilot, const PassCost& pass) {
   const double fallback = kDefault * double{length(scene.bounds().diagonal())};
-  FirstRadii radii{fallback, fallback};
+  FirstRadii radii;
+  radii.beam = radii.surface = fallback;
   const Halves halves(pilot);
   const Probes probes(context, paths);
   Collector seen;
@@ -287,15 +288,20 @@ FirstRadii firstRadii(const Scene& scene, const CameraPaths& paths, const PassCo
         all[i] += 0.5f * ((**ladder).light[0][0][i] + (**ladder).light[1][0][i]);
   const std::vector<double> weights = weightsOf(all);
 
-  const auto best = [&](const std::optional<Ladder>& ladder) -> std::optional<double> {
+  struct Best {
+    double radius = 0;
+    double variance = 0;  ///< of a pass with radius 1
+  };
+  const auto best = [&](const std::optional<Ladder>& ladder) -> std::optional<Best> {
     const auto balance = ladder ? balanceOf(*ladder, weights) : std::nullopt;
     if (!balance || !(balance->blur2 > 0)) return std::nullopt;
     // 3/4 V x^-2 = kNoiseOverBlur 16/9 b^2 x^3, x in radii of the balance.
     const double variance = balance->variance * halves.paths / kUsualPaths;
     const double x = std::pow(0.75 * variance / (kNoiseOverBlur * 16 / 9 * balance->blur2), 0.2);
-    return x * balance->radius * std::pow(kUsualPaths / pass.paths, 1. / 6);
+    return Best{x * balance->radius * std::pow(kUsualPaths / pass.paths, 1. / 6),
+                balance->variance * halves.paths / pass.paths * sqr(balance->radius)};
   };
-  if (const auto r = best(beams)) {
+  if (const auto found = best(beams)) {
     // Photons per beam of a pass, at the largest radius and as many as cost no more than tracing.
     const double atLargest = std::max(mostPerBeam, 1e-3) * pass.paths / halves.paths;
     const double beamsOfPass = static_cast<double>(context.film.sampleBounds().area()) *
@@ -303,10 +309,18 @@ FirstRadii firstRadii(const Scene& scene, const CameraPaths& paths, const PassCo
                                static_cast<double>(probes.size());
     const double most = std::max(kAlwaysPerBeam, kPairsPerSegment * pass.segments / beamsOfPass);
     const double affordable = beams->largest * std::sqrt(most / atLargest);
-    radii.beam =
-        std::min({*r, affordable, kLargest * double{length(scene.volume()->bounds().diagonal())}});
+    radii.beam = std::min({found->radius, affordable,
+                           kLargest * double{length(scene.volume()->bounds().diagonal())}});
+    radii.beamVariance = found->variance / sqr(radii.beam);
+    for (Beam& beam : seen.beams.beams) beam.radius = static_cast<float>(radii.beam);
+    radii.beamReach = reachOf(seen.beams.beams);
   }
-  if (const auto r = best(surfaces)) radii.surface = *r;
+  if (const auto found = best(surfaces)) {
+    radii.surface = found->radius;
+    radii.surfaceVariance = found->variance / sqr(radii.surface);
+    const Vec3 around(static_cast<float>(radii.surface));
+    for (const Vec3& p : seen.points) radii.surfaceReach.extend(Bounds3{p - around, p + around});
+  }
   return radii;
 }
 

@@ -12,6 +12,12 @@ namespace brume {
 
 struct FirstRadii {
   double beam = 0, surface = 0;  ///< scene length
+  /// What the noise of a pass would be at these radii: the mean over pixels of its square, relative
+  /// to the whole light of each; 0 where unknown.
+  double beamVariance = 0, surfaceVariance = 0;
+  /// Where a photon must be to be received: around the beams and the visible points of the probed
+  /// pixels.
+  Bounds3 beamReach, surfaceReach;
 };
 
 /// A pass to come.

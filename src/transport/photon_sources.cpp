@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace brume {
 namespace {
@@ -97,6 +98,20 @@ std::optional<PhotonStart> PhotonSources::sample(PathRandom& random) const {
   start->usualPower = source.usualShare * largestChannel(start->power);
   if (!(start->usualPower > 0) || !start->power.isFinite()) return std::nullopt;
   return start;
+}
+
+void PhotonSources::setShares(std::span<const float> shares) {
+  const Distribution1D before = std::exchange(choice_, Distribution1D(shares));
+  std::size_t towardMedia = 0;  // of the same light
+  for (std::size_t i = 0; i < sources_.size(); ++i) {
+    Source& source = sources_[i];
+    if (source.ball == source.first) towardMedia = i;
+    // The power of paths goes as 1 / share.
+    const auto change = [&](std::size_t s) {
+      return before.probability(s) / choice_.probability(s);
+    };
+    source.usualShare = std::min(1.f, source.usualShare * change(towardMedia) / change(i));
+  }
 }
 
 /// A point by the luminance of Le: alpha = 4 pi Le(p) / pdf(p).

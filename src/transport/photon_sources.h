@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "core/light.h"
@@ -34,7 +35,8 @@ struct PhotonStart {
 /// far more often than what falls on the horizon. A ray belongs to the innermost ball that it
 /// meets: there is one way to draw it. Rays of outer shells carry more power than those towards
 /// the media; usualPower is that of the latter.
-/// Immutable and thread-safe. Test: photon_tracer_test.
+/// Those shares are a guess; a method that knows what its photons do for the image sets better
+/// ones. Thread-safe but for setShares. Test: photon_tracer_test.
 class PhotonSources {
  public:
   struct Options {
@@ -47,6 +49,15 @@ class PhotonSources {
   bool isEmpty() const { return sources_.empty(); }
   /// None: this path carries nothing.
   std::optional<PhotonStart> sample(PathRandom& random) const;
+
+  /// Sources in this sense are a light's rays to one ball or shell each, and the media.
+  std::size_t count() const { return sources_.size(); }
+  /// Which one `sample` would take.
+  std::size_t sourceOf(PathRandom random) const { return choice_.sample(random.get1D()).index; }
+  /// Of all paths.
+  float share(std::size_t source) const { return choice_.probability(source); }
+  /// Above 0 for every source that has a share.
+  void setShares(std::span<const float> shares);
 
  private:
   /// A light's rays that meet balls_[ball] and none of those before, from `first` on.

@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <numeric>
+
 #include "core/bsdf.h"
 #include "core/error.h"
 #include "core/material.h"
@@ -19,6 +21,9 @@ constexpr std::int64_t kChunk = 1024;
 /// nothing else would end it.
 constexpr int kLongPath = 10'000;
 constexpr float kLongPathSurvival = 0.99f;
+
+/// learnShares: paths of the mean in every source, and the part of the paths that is not moved.
+constexpr double kPriorPaths = 16, kKeptShare = 0.1;
 
 /// What a path has met so far.
 enum class Stage { Direct, Specular, Scattered };
@@ -238,7 +243,73 @@ PhotonClasses wantedOf(const PathsPerClass& paths, std::uint64_t index) {
   return wanted;
 }
 
+/// Calls body(PathRandom, i) for the paths [begin, end) of a pass.
+template <class Body>
+void forEachPath(const PassRandom& random, std::int64_t begin, std::int64_t end, const Body& body) {
+  for (std::int64_t some = begin; some < end; some += PassRandom::kAtOnce) {
+    const auto points = random.points(static_cast<std::uint32_t>(some));
+    const std::int64_t last = std::min<std::int64_t>(end, some + PassRandom::kAtOnce);
+    for (std::int64_t i = some; i < last; ++i)
+      body(PathRandom(random, static_cast<std::uint32_t>(i),
+                      points[static_cast<std::size_t>(i - some)]),
+           i);
+  }
+}
+
 }  // namespace
+
+std::optional<std::vector<float>> PhotonTracer::learnShares(std::uint64_t seed, std::uint64_t pass,
+                                                            std::uint64_t count,
+                                                            const SquareOfPath& square,
+                                                            const std::atomic<bool>& stop,
+                                                            Stats& stats) const {
+  if (sources_.count() < 2) return std::nullopt;
+  struct Seen {
+    std::size_t source = 0;
+    double square = 0, cost = 0;
+  };
+  std::vector<Seen> seen(count);
+  std::vector<Stats> parts((count + kChunk - 1) / kChunk);
+  const PassRandom random(seed, pass);
+  forEachChunk(static_cast<std::int64_t>(count), kChunk,
+               [&](std::int64_t begin, std::int64_t end, std::int64_t chunk) {
+                 if (stop.load(std::memory_order_relaxed)) return;
+                 std::vector<Photon> photons;
+                 Stats& part = parts[static_cast<std::size_t>(chunk)];
+                 forEachPath(random, begin, end, [&](const PathRandom& path, std::int64_t i) {
+                   const std::uint64_t before = part[Stat::PhotonSegments];
+                   photons.clear();
+                   tracePath(path, request_.wanted, photons, part);
+                   const std::uint64_t segments = part[Stat::PhotonSegments] - before;
+                   seen[static_cast<std::size_t>(i)] = {
+                       sources_.sourceOf(path), square(photons),
+                       1 + static_cast<double>(segments + photons.size())};
+                 });
+               });
+  if (stop.load(std::memory_order_relaxed)) return std::nullopt;
+  for (const Stats& part : parts) stats.merge(part);
+
+  std::vector<Seen> sums(sources_.count());
+  Seen mean;
+  for (const Seen& path : seen) {
+    sums[path.source].square += path.square;
+    sums[path.source].cost += path.cost;
+    mean.square += path.square / static_cast<double>(count);
+    mean.cost += path.cost / static_cast<double>(count);
+  }
+  if (!(mean.square > 0)) return std::nullopt;
+  std::vector<double> learnt;
+  for (std::size_t s = 0; s < sums.size(); ++s)
+    learnt.push_back(double{sources_.share(s)} *
+                     std::sqrt((sums[s].square + kPriorPaths * mean.square) /
+                               (sums[s].cost + kPriorPaths * mean.cost)));
+  const double all = std::accumulate(learnt.begin(), learnt.end(), 0.);
+  std::vector<float> shares;
+  for (std::size_t s = 0; s < sums.size(); ++s)
+    shares.push_back(static_cast<float>((1 - kKeptShare) * learnt[s] / all +
+                                        kKeptShare * double{sources_.share(s)}));
+  return shares;
+}
 
 PhotonSet PhotonTracer::trace(std::uint64_t seed, std::uint64_t pass, const PathsPerClass& paths,
                               const std::atomic<bool>& stop, Stats& stats) const {
@@ -262,17 +333,10 @@ PhotonSet PhotonTracer::trace(std::uint64_t seed, std::uint64_t pass, const Path
     thread_local std::vector<Photon> photons;  // reused, so that its memory is
     photons.clear();
     Chunk& part = parts[static_cast<std::size_t>(chunk)];
-    for (std::int64_t some = begin; some < end; some += PassRandom::kAtOnce) {
-      const auto points = random.points(static_cast<std::uint32_t>(some));
-      const std::int64_t last = std::min<std::int64_t>(end, some + PassRandom::kAtOnce);
-      for (std::int64_t i = some; i < last; ++i) {
-        const PhotonClasses wanted =
-            wantedOf(paths, static_cast<std::uint64_t>(i)) & request_.wanted;
-        tracePath(
-            {random, static_cast<std::uint32_t>(i), points[static_cast<std::size_t>(i - some)]},
-            wanted, photons, part.stats);
-      }
-    }
+    forEachPath(random, begin, end, [&](const PathRandom& path, std::int64_t i) {
+      tracePath(path, wantedOf(paths, static_cast<std::uint64_t>(i)) & request_.wanted, photons,
+                part.stats);
+    });
     for (Photon& photon : photons)
       photon.power *= share[static_cast<std::size_t>(photon.photonClass())];
     part.photons.assign(photons.begin(), photons.end());

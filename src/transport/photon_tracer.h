@@ -5,6 +5,7 @@
 
 #include <array>
 #include <atomic>
+#include <functional>
 #include <span>
 
 #include "core/scene.h"
@@ -49,7 +50,7 @@ struct PhotonSet {
 /// No other estimator looks for the light of emitting media, so it counts as scattered from the
 /// start (SurfaceIndirect, VolumeMultiple).
 /// A path ends when nothing that is wanted can come of it. Photons that leave the scene are gone.
-/// Immutable and thread-safe. Test: photon_tracer_test.
+/// Thread-safe but for setShares. Test: photon_tracer_test.
 class PhotonTracer {
  public:
   PhotonTracer(const Scene& scene, const PhotonRequest& request);
@@ -64,6 +65,20 @@ class PhotonTracer {
   /// The paths [0, paths of the class) of a pass, in parallel.
   PhotonSet trace(std::uint64_t seed, std::uint64_t pass, const PathsPerClass& paths,
                   const std::atomic<bool>& stop, Stats& stats) const;
+
+  /// What a path does for the image, squared, from its deposits, whose powers are as if it were the
+  /// only path. Called in parallel.
+  using SquareOfPath = std::function<double(std::span<const Photon>)>;
+  /// The shares of paths from each of PhotonSources with the least noise: where paths of source s
+  /// do c for the image, their noise is E[c^2 | s] / p(s), so
+  ///   p(s) ~ p0(s) sqrt(E[c^2 | s]),   p0 the share so far
+  /// learnt from a pilot, the first `count` paths of a pass. Sources that it knows little of take
+  /// after the mean, and a part of the paths keeps to p0. None: there is nothing to choose, or
+  /// `stop` was set.
+  std::optional<std::vector<float>> learnShares(std::uint64_t seed, std::uint64_t pass,
+                                                std::uint64_t count, const SquareOfPath& square,
+                                                const std::atomic<bool>& stop, Stats& stats) const;
+  void setShares(std::span<const float> shares) { sources_.setShares(shares); }
 
  private:
   struct Path;

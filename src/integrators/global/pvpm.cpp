@@ -128,6 +128,7 @@ class Pvpm final : public PassGlobalIntegrator {
  private:
   void keepPhotons(const PrepareContext& context);
   void chooseRadii(const PassContext& context);
+  void learnShares(const PassContext& context, const PhotonSet& pilot, const FirstRadii& radii);
   std::optional<float> momentOf(const PassContext& context);
   void prepareRadii(const PassContext& context, CameraBeamOptions& options);
   void watchBlur(const PassContext& context, const CameraBeams& camera,
@@ -145,6 +146,7 @@ class Pvpm final : public PassGlobalIntegrator {
   PhotonClasses wanted_;
   CameraPaths paths_;
   std::unique_ptr<PhotonTracer> tracer_;
+  std::optional<std::vector<float>> shares_;  // of paths by their sources
   Interval shutter_;
   std::optional<PhotonSet> kept_;  // loaded: the same for every pass
   std::optional<RadiusSchedule> beamRadius_, surfaceRadius_;
@@ -237,6 +239,7 @@ void Pvpm::chooseRadii(const PassContext& context) {
     }
     if (!pilot.isComplete) return;
     radii = firstRadii(scene_, paths_, context, kept_ ? *kept_ : pilot, pass);
+    if (!kept_) learnShares(context, pilot, radii);
   }
   if (beams) {
     if (params_.radius) radii.beam = double{*params_.radius};
@@ -248,6 +251,40 @@ void Pvpm::chooseRadii(const PassContext& context) {
     surfaceRadius_.emplace(radii.surface, params_.alpha);
     context.log.verbose(fmt::format("pvpm: the first radius on surfaces is {:.4g}", radii.surface));
   }
+}
+
+/// Light paths start where photons come from that are received and make noise. With photons of
+/// power P [W], where N of a kind with equal P would make a variance V of the image, a path's part
+/// is
+///   c^2 = sum over kinds of V / <sum P^2> sum over its photons P^2
+void Pvpm::learnShares(const PassContext& context, const PhotonSet& pilot,
+                       const FirstRadii& radii) {
+  constexpr std::uint64_t kSharesPass = ~std::uint64_t{1};
+  constexpr std::uint64_t kSharesPaths = 20'000;
+  const auto squareOf = [&radii](const Photon& photon, bool isInMedium) -> double {
+    if (kVolumePhotons.contains(photon.photonClass()) != isInMedium) return 0;
+    const Bounds3& reach = isInMedium ? radii.beamReach : radii.surfaceReach;
+    return reach.contains(photon.p) ? sqr(double{largestChannel(photon.power)}) : 0;
+  };
+  std::array<double, 2> perSquare{};
+  for (const bool isInMedium : {false, true}) {
+    double sum = 0;
+    for (const Photon& photon : pilot.photons) sum += squareOf(photon, isInMedium);
+    const double variance = isInMedium ? radii.beamVariance : radii.surfaceVariance;
+    if (sum > 0) perSquare[isInMedium] = variance / sum;
+  }
+  if (!(perSquare[0] + perSquare[1] > 0)) return;
+  const auto square = [&](std::span<const Photon> photons) {
+    double sum = 0;
+    for (const Photon& photon : photons)
+      sum += perSquare[0] * squareOf(photon, false) + perSquare[1] * squareOf(photon, true);
+    return sum;
+  };
+  Stats stats;
+  shares_ =
+      tracer_->learnShares(context.seed, kSharesPass, kSharesPaths, square, context.stop, stats);
+  context.stats.merge(stats);
+  if (shares_) tracer_->setShares(*shares_);
 }
 
 /// `image`: beams straight from the camera; none: beams from anywhere.
@@ -346,6 +383,7 @@ std::optional<float> Pvpm::momentOf(const PassContext& context) {
   const float time = lerp(shutter_.t0, shutter_.t1, u);
   tracer_ = std::make_unique<PhotonTracer>(scene_,
                                            PhotonRequest{wanted_, {time, time}, params_.maxdepth});
+  if (shares_) tracer_->setShares(*shares_);
   return u;
 }
 
