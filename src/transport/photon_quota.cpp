@@ -13,6 +13,8 @@ constexpr std::uint64_t kFirstPilot = 1 << 14, kLastPilot = 1 << 18;
 /// Photons of a class that the pilot wants to see: its yield is then known to about 5 %.
 constexpr std::uint64_t kPilotPhotons = 400;
 constexpr double kMaxPaths = 0x1p31;
+/// Of optional classes, paths per photon asked for; but so many that few photons can be had.
+constexpr double kMostPathsPerPhoton = 64, kAlwaysPaths = 0x1p20;
 
 using Yield = std::array<std::uint64_t, kPhotonClasses>;
 
@@ -51,8 +53,12 @@ PathsPerClass pathsFor(const PhotonTracer& tracer, const PhotonCounts& wanted,
     const double needed = static_cast<double>(wanted[c]) * static_cast<double>(pilot) /
                           static_cast<double>(std::max<std::uint64_t>(1, yield[c]));
     const bool isOptional = optional.contains(static_cast<PhotonClass>(c));
-    if (yield[c] > 0 && needed <= kMaxPaths) {
-      paths[c] = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(std::llround(needed)));
+    const double most =
+        isOptional ? std::max(kAlwaysPaths, kMostPathsPerPhoton * static_cast<double>(wanted[c]))
+                   : kMaxPaths;
+    if (yield[c] > 0 && (isOptional || needed <= most)) {
+      const double some = std::min({needed, most, kMaxPaths});
+      paths[c] = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(std::llround(some)));
     } else if (!isOptional) {
       throw SceneError(
           yield[c] == 0

@@ -107,7 +107,8 @@ using PhotonCounts = std::array<std::uint64_t, kPhotonClasses>;
 /// Paths that store about the wanted numbers. Found by a pilot pass of its own random numbers, so
 /// that the photons themselves stay unbiased: the number of paths does not depend on them. Throws
 /// SceneError, with the reason, when a class that is wanted stores nothing or would take more than
-/// 2^31 paths; classes in `optional` get 0 paths instead.
+/// 2^31 paths. Classes in `optional` get 0 paths when they store nothing, and no more than 64 paths
+/// per photon (2^20 at least) where few leave one: fewer photons then carry that light.
 PathsPerClass pathsFor(const PhotonTracer& tracer, const PhotonCounts& wanted,
                        PhotonClasses optional, std::uint64_t seed, const std::atomic<bool>& stop,
                        Stats& stats);

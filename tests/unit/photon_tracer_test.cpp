@@ -350,6 +350,24 @@ TEST(PhotonQuota, FindsThePathsForACount) {
   EXPECT_NEAR(static_cast<double>(stored), 20'000, 1200);  // the pilot sees 3000: 2 %, 3 of them
 }
 
+TEST(PhotonQuota, ShootsNoEndOfPathsForLightThatHardlyLeavesAny) {
+  // A small ball in front of a wide dark floor: one path in some thousands gets from there to
+  // here.
+  const auto job = sceneOf(
+      "LightSource \"point\" \"point from\" [0 0 10] Material \"matte\" Translate 0 0 12 "
+      "Shape \"sphere\" \"float radius\" .1 Material \"matte\" \"color Kd\" [.001 .001 .001] "
+      "Translate 0 0 -7 Shape \"disk\" \"float radius\" 100 ");
+  const PhotonTracer tracer(job->scene(), {kSurfacePhotons});
+  const PhotonCounts counts = countOf(PhotonClass::SurfaceIndirect, 200'000);
+  constexpr auto kIndirect = static_cast<std::size_t>(PhotonClass::SurfaceIndirect);
+  Stats stats;
+  const auto asked = [&](PhotonClasses optional) {
+    return pathsFor(tracer, counts, optional, 1, kGoOn, stats)[kIndirect];
+  };
+  EXPECT_GT(asked({}), 100'000'000u);
+  EXPECT_EQ(asked(PhotonClass::SurfaceIndirect), 64u * 200'000);
+}
+
 TEST(PhotonQuota, SaysWhyNothingIsStored) {
   // The light looks away from the medium.
   const auto job =
