@@ -23,7 +23,7 @@ body {{ font: 15px/1.45 sans-serif; color: #222; max-width: 88em; margin: 1.5em 
 h1 {{ margin-bottom: .2em; }}
 section {{ border-top: 1px solid #ccc; padding: 0 0 1em; }}
 .pictures {{ display: flex; flex-wrap: wrap; gap: 1em; }}
-figure {{ margin: 0; position: relative; width: 20em; }}
+figure {{ margin: 0; position: relative; width: 16.6em; }}
 img {{ display: block; width: 100%; image-rendering: pixelated; }}
 figure .under {{ position: absolute; left: 0; top: 0; visibility: hidden; }}
 figure:hover .under {{ visibility: visible; }}

@@ -58,7 +58,7 @@ async function look() {
     const border = page.querySelector(`svg.plot[data-y=${y}] rect.frame`).getBoundingClientRect();
     for (const curve of curves.filter(c => c.dataset.name !== 'Other')) {
       const box = curve.getBoundingClientRect();
-      check(`${y}: ${curve.dataset.name} is drawn inside the frame`, box.width > 50 && box.height > 5 && box.left >= border.left
+      check(`${y}: ${curve.dataset.name} is drawn inside the frame`, box.width > 0 && box.height > 5 && box.left >= border.left
         && box.right <= border.right && box.top >= border.top && box.bottom <= border.bottom, JSON.stringify([box, border]));
       const numbers = curve.getAttribute('d').split(/[ML ]/).slice(1).map(Number);
       check(`${y}: ${curve.dataset.name} has points`, numbers.length >= 16 && numbers.every(Number.isFinite), curve.getAttribute('d'));
@@ -68,6 +68,9 @@ async function look() {
   const before = page.querySelector('path.curve').getAttribute('d');
   input(page.getElementById('axis'), 'samples');
   check('another axis, another curve', page.querySelector('path.curve').getAttribute('d') !== before);
+  // By the clock a busy machine may take the same time for all images; samples are what they are.
+  for (const curve of all('svg.plot path.curve'))
+    check(`${curve.dataset.name} against samples: as wide as its samples`, curve.getBoundingClientRect().width > 200);
   check('other renderers have no samples', all('svg.plot[data-y=relmse] path.curve').length === 2);
   check('times to error', all('table.times td').some(td => td.textContent.includes('(1 x)')));
 
