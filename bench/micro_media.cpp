@@ -3,6 +3,7 @@
 #include <benchmark/benchmark.h>
 
 #include "core/medium_along_ray.h"
+#include "support/make_plugin.h"
 #include "support/volumes.h"
 #include "volumes/phase_functions.h"
 
@@ -23,8 +24,14 @@ VolumePtr grid64() {
   Rng rng(3);
   return test::makeGrid(spec(), 64, 64, 64, test::randomDensities(64 * 64 * 64, rng));
 }
+/// Procedural: tracked by tentative collisions.
+VolumePtr cloud() {
+  return test::make<Volume>(
+      "cloud", {test::color("sigma_a", {.3f, .5f, .8f}), test::color("sigma_s", {2, 1.5f, 1}),
+                test::points("p0", {Vec3(0)}), test::points("p1", {Vec3(1)})});
+}
 
-/// The three above in one place, as the scene adds up what overlaps.
+/// The first three in one place, as the scene adds up what overlaps.
 VolumePtr overlap() {
   static const VolumePtr parts[] = {homogeneous(), exponential(), grid64()};
   return makeAggregateVolume({parts[0].get(), parts[1].get(), parts[2].get()});
@@ -120,6 +127,7 @@ BENCHMARK_CAPTURE(freeFlight, homogeneous, homogeneous);
 BENCHMARK_CAPTURE(freeFlight, exponential, exponential);
 BENCHMARK_CAPTURE(freeFlight, grid64, grid64);
 BENCHMARK_CAPTURE(freeFlight, overlap, overlap);
+BENCHMARK_CAPTURE(freeFlight, cloud, cloud);
 
 using PhasePtr = std::unique_ptr<PhaseFunction>;
 PhasePtr henyeyGreenstein() { return makeHenyeyGreensteinPhase(0.8f); }
