@@ -201,6 +201,30 @@ def show_techniques(figures):
         on = first.setdefault(name, float(product))
         shown = re.sub(r'"\w+ (\w+)" "(\w+)"', r"\1 \2", setting).replace(" false", "")
         lines.append(f"| {name} | {shown} | {short(float(product) / on)} | {us} | {noise} | {product} |")
+    if "lights-10" in first and "lights-1000" in first:
+        lines += ["", f"1,000 lights take **{first['lights-1000'] / first['lights-10']:.2f}** times as long as 10 to the same noise."]
+    return lines
+
+
+def run_flights():
+    text = output_of("brume_free_flights")
+    rays = [int(found) for found in re.findall(r"([\d]+) ns in", text)]
+    rows = []
+    for found in re.finditer(r"^(\S.*?)  +(\d+) +(\d+) +(\d+) +([\d.]+)$", text, re.MULTILINE):
+        size = re.match(r"grid (\d+)\^3$", found[1])
+        rows.append([found[1], int(found[3]), float(found[5]) if size else None])
+    keep("flights", {"machine": common.machine(), "embree": rays, "rows": rows})
+
+
+def show_flights(figures):
+    small, large = figures["embree"]
+    lines = [common.machine_line(figures["machine"]) + f". Embree's nearest hit: {small} ns in 10,000 triangles, "
+             f"{large} ns in 1,000,000.", "",
+             "| medium | a free flight | / Embree's ray, 10,000 triangles | / 1,000,000 | depth of a whole chord, per voxel of an axis |",
+             "|---|---|---|---|---|"]
+    for name, flight, voxel in figures["rows"]:
+        lines.append(f"| {name} | {flight} ns | {short(flight / small)} | {short(flight / large)} | "
+                     f"{'' if voxel is None else f'{voxel:.0f} ns'} |")
     return lines
 
 
@@ -211,6 +235,7 @@ PARTS = {
     "speed": (run_speed, show_speed),
     "beams": (run_beams, show_beams),
     "techniques": (run_techniques, show_techniques),
+    "flights": (run_flights, show_flights),
 }
 
 
