@@ -2,6 +2,7 @@
 #include "transport/photon_estimates.h"
 
 #include "accelerators/lanes_math.h"
+#include "transport/depth_tables.h"
 #include "transport/kernels.h"
 
 namespace brume {
@@ -95,6 +96,43 @@ BeamDepths depthsOf(const VolumePhotonMap& map, const MediumAlongRay& medium) {
   return depths;
 }
 
+/// Optical depths along one beam, looked up for batch after batch: in a table, once there were so
+/// many photons that it pays.
+class DepthsAlongBeam {
+ public:
+  explicit DepthsAlongBeam(const MediumAlongRay& medium) : medium_(medium) { table().reset(1); }
+
+  void find(const PhotonBvh::Found& batch, std::size_t count, BeamDepths::Known& known) {
+    DepthTables& table = DepthsAlongBeam::table();
+    photons_ += count;
+    if (!isFilled_ && kSpansPerPhoton * photons_ > medium_.spans().size()) {
+      table.fill(0, medium_, medium_.range().t0);
+      isFilled_ = true;
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      if (isFilled_) {
+        const auto depth = table.at(0, batch.t[i] - medium_.range().t0);
+        for (std::size_t c = 0; c < 3; ++c) known[c][i] = depth.of[c];
+      } else {
+        const Vec3d depth = medium_.depthAt(double{batch.t[i]});
+        for (std::size_t c = 0; c < 3; ++c)
+          known[c][i] = static_cast<float>(depth[static_cast<int>(c)]);
+      }
+    }
+  }
+
+ private:
+  /// Spans that a table takes in the time in which one photon's depth is found without.
+  static constexpr std::size_t kSpansPerPhoton = 2;
+  static DepthTables& table() {
+    thread_local DepthTables table;  // reused, so that its memory is
+    return table;
+  }
+  const MediumAlongRay& medium_;
+  std::size_t photons_ = 0;
+  bool isFilled_ = false;
+};
+
 /// Fills the last row of a batch with copies that do not count.
 void completeRow(PhotonBvh::Found& batch, std::size_t count) {
   for (std::size_t i = count; i % kLanes != 0; ++i) {
@@ -110,17 +148,17 @@ BeamEstimate beamRadianceInLanes(const VolumePhotonMap& map, const PhotonBvh& bv
   const Ray& ray = medium.ray();
   BeamDepths depths = depthsOf(map, medium);
   BeamDepths::Known known{};
-  if (!map.volume().uniform()) depths.known = &known;
+  std::optional<DepthsAlongBeam> varying;
+  if (!map.volume().uniform()) {
+    depths.known = &known;
+    varying.emplace(medium);
+  }
   RgbSum sum;
   std::uint64_t photons = 0;
   bvh.forEachBatchInBeam({ray.o, ray.d, medium.range()},
                          [&](PhotonBvh::Found& batch, std::size_t count) {
                            completeRow(batch, count);
-                           for (std::size_t i = 0; depths.known != nullptr && i < count; ++i) {
-                             const Vec3d depth = medium.depthAt(double{batch.t[i]});
-                             for (std::size_t c = 0; c < 3; ++c)
-                               known[c][i] = static_cast<float>(depth[static_cast<int>(c)]);
-                           }
+                           if (varying) varying->find(batch, count, known);
                            LaneSums some;
                            if (hasAvx2())
                              avx2::addBeam(map.rows(), viewer, depths, batch, count, some);
