@@ -194,7 +194,11 @@ void RenderRun::render(RenderJob& job, FrameReport report) {
   report.plugins = job.plugins();
   report.plan = job.plan();
   const bool isInterrupted = result.reason == StopReason::Interrupted;
-  say(fmt::format("{} {} ({} x {}, {})", isInterrupted ? "interrupted; wrote" : "wrote",
+  const bool isBlack = result.passes == 0 && result.stats[Stat::CameraRays] == 0;
+  say(fmt::format("{} {} ({} x {}, {})",
+                  !isInterrupted ? "wrote"
+                  : isBlack      ? "interrupted before the first pass was done; wrote a black"
+                                 : "interrupted; wrote",
                   film.filename, film.crop.width(), film.crop.height(),
                   durationText(result.seconds)));
   log_.verbose(statsTable(report));
