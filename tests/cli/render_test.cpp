@@ -249,6 +249,23 @@ TEST_P(Signals, LeaveAReadableImage) {
   EXPECT_TRUE(contains(result.err, "interrupted; wrote ball.exr")) << endOf(result.err);
 }
 
+TEST(Render, SaysThatNothingWasRenderedYet) {
+  const TemporaryFolder folder;
+  folder.write(
+      "fog.pbrt",
+      "Film \"image\" \"integer xresolution\" 24 \"integer yresolution\" 24\n"
+      "GlobalIntegrator \"bre\" \"integer photons\" 1000000000 WorldBegin\n"
+      "LightSource \"point\" Volume \"homogeneous\" \"color sigma_s\" [.1 .1 .1] WorldEnd\n");
+  ProgramInput input{{"fog.pbrt", "--verbose", "-o", "fog.exr"}, folder.path()};
+  input.signal = SIGINT;
+  input.waitFor = "rendering";
+  const ProgramResult result = runBrume(input);
+  EXPECT_EQ(result.exitCode, 128 + SIGINT) << endOf(result.err);
+  EXPECT_EQ(readImage((folder.path() / "fog.exr").string()).width, 24);
+  EXPECT_TRUE(contains(result.err, "before the first pass was done; wrote a black fog.exr"))
+      << endOf(result.err);
+}
+
 INSTANTIATE_TEST_SUITE_P(Both, Signals, ::testing::Values(SIGINT, SIGTERM));
 
 TEST(Render, UnwritablePlacesAreFoundBeforeRendering) {
