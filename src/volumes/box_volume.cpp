@@ -80,6 +80,11 @@ double BoxVolume::worldIntegral() const {
   return totalDensity() * std::abs(dot(linear[0], cross(linear[1], linear[2])));
 }
 
+Vec3 BoxVolume::sampleEmission(Rng& rng) const {
+  // In double: volume space may lie far from its own origin.
+  return Vec3(Vec3d(volumeToWorld_.matrix() * glm::dvec4(sampleDensity(rng), 1)));
+}
+
 LocalRay BoxVolume::toLocal(const Ray& ray) const {
   const Mat4d& m = volumeToWorld_.inverseMatrix();
   return {transformed(m, ray.o, 1), transformed(m, ray.d, 0)};

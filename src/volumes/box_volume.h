@@ -45,9 +45,7 @@ class BoxVolume : public Volume {
   Rgb totalEmission() const final {
     return isEmissive() ? unit_.Le * static_cast<float>(worldIntegral()) : Rgb();
   }
-  Vec3 sampleEmission(Rng& rng) const final {
-    return volumeToWorld_.point(Vec3(sampleDensity(rng)));
-  }
+  Vec3 sampleEmission(Rng& rng) const final;
   void appendPieces(const Ray& ray, Interval range,
                     std::vector<MediumPiece>& pieces) const override;
   bool isClosedForm() const override { return true; }
