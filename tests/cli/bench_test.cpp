@@ -125,7 +125,7 @@ TEST_F(Bench, ARenderThatIsKilledIsToldAndTriedAgain) {
   folder_.write("ball.json", config(R"("seconds": 1, "threads": 1)"));
   for (const auto& [signal, message] :
        {std::pair{SIGKILL, "ended by signal 9 (Killed), perhaps for want of memory"},
-        std::pair{SIGSEGV, "ended by signal 11 (Segmentation fault)"},
+        std::pair{SIGABRT, "ended by signal 6 (Aborted)"},
         std::pair{SIGTERM, "interrupted by a signal to its process"}}) {
     std::filesystem::remove_all(folder_.path() / "ball-results" / "entries");
     ProgramInput input{{"bench", "ball.json"}, folder_.path()};
@@ -133,7 +133,7 @@ TEST_F(Bench, ARenderThatIsKilledIsToldAndTriedAgain) {
     input.signalsChild = true;
     input.waitFor = "the reference of ball";
     const ProgramResult result = runBrume(input);
-    EXPECT_EQ(result.exitCode, signal == SIGSEGV ? 2 : 1) << result.err;
+    EXPECT_EQ(result.exitCode, signal == SIGABRT ? 2 : 1) << result.err;
     EXPECT_TRUE(
         contains(result.err, std::string("FAILED   ball, volpath, 1 threads, seed 0: ") + message))
         << result.err;
