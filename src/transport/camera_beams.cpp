@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "transport/camera_beams.h"
 
+#include <cmath>
+
 #include "core/camera.h"
 #include "core/film.h"
 #include "core/parallel.h"
@@ -66,6 +68,8 @@ void traceTile(const PassContext& context, const CameraPaths& paths,
   const Bounds2i& all = pass.pixels;
   const std::unique_ptr<PixelSampler> sampler = context.sampler.makePixelSampler(context.seed);
   RenderContext render{*sampler, tile.stats};
+  const float footprintScale =
+      1.f / std::sqrt(static_cast<float>(context.sampler.samplesPerPixel()));
   for (int y = tile.pixels.lo.y; y < tile.pixels.hi.y; ++y)
     for (int x = tile.pixels.lo.x; x < tile.pixels.hi.x; ++x) {
       sampler->startPixel({x, y});
@@ -73,7 +77,11 @@ void traceTile(const PassContext& context, const CameraPaths& paths,
       if (options.throughCentres) sample.raster = Vec2(x, y) + Vec2(0.5f);
       if (options.moment) sample.time = *options.moment;
       FootprintRay ray = context.camera.generateRay(sample);
-      if (!context.footprints) ray.differential.reset();
+      // Textures are filtered as other integrators filter them at the scene's samples per pixel.
+      if (context.footprints)
+        ray.scaleDifferential(footprintScale);
+      else
+        ray.differential.reset();
       tile.stats.add(Stat::CameraRays);
       const auto pixel = static_cast<std::uint32_t>((y - all.lo.y) * all.width() + (x - all.lo.x));
       BeamCollector collector(options, pass, tile, pixel);

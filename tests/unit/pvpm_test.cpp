@@ -304,6 +304,24 @@ TEST(Pvpm, BeamsMeetPhotonsOfTheirOwnTime) {
               4 * std::hypot(pvpm.standardError, truth.standardError) + 0.03 * truth.mean);
 }
 
+/// Footprints are those of the samples per pixel, whatever a pass takes.
+TEST(Pvpm, TexturesAreFilteredAsByOthers) {
+  const std::string world =
+      "LightSource \"distant\" \"point from\" [0 0 -1] \"point to\" [0 0 0] "
+      "Texture \"t\" \"color\" \"marble\" \"float scale\" 6 "
+      "Material \"matte\" \"texture Kd\" \"t\" Shape \"disk\" \"float radius\" 4 ";
+  RenderSettings settings;
+  settings.passes = 64;
+  const Rgb pvpm = meanOf(renderText(scene("\"pvpm\" \"integer photonsperpass\" 10", world, 8,
+                                           kAhead, 30, 64),
+                                     settings)
+                              .image),
+            volpath = meanOf(renderText(scene("\"volpath\"", world, 8, kAhead, 30, 64)).image),
+            one = meanOf(renderText(scene("\"volpath\"", world, 8, kAhead, 30, 1)).image);
+  EXPECT_NEAR(pvpm.g, volpath.g, 0.005f * volpath.g);
+  EXPECT_GT(std::abs(one.g - volpath.g), 0.012f * volpath.g);
+}
+
 TEST(Pvpm, AWhiteFurnaceIsWhite) {
   // Albedo 1 under radiance 1: the middle of the image is 1 but for noise.
   const Estimate e = meanOverSeeds(
