@@ -53,23 +53,8 @@ void setBeam(BeamTreeView::Block& block, std::size_t i, const Beam& beam) {
   block.inverseRadius2[i] = 1.f / block.radius2[i];
 }
 
-namespace generic {
-using namespace lanes_generic;
-#define BRUME_KERNEL
-#include "accelerators/beam_search.inl"
-#undef BRUME_KERNEL
-}  // namespace generic
-
-#if BRUME_HAS_AVX2
-namespace avx2 {
-using namespace lanes_avx2;
-#define BRUME_KERNEL BRUME_AVX2
-#include "accelerators/beam_search.inl"
-#undef BRUME_KERNEL
-}  // namespace avx2
-#else
-namespace avx2 = generic;
-#endif
+#define BRUME_KERNELS "accelerators/beam_search.inl"
+#include "accelerators/both_lanes.inl"
 
 /// A photon's place in a tile.
 struct Place {

@@ -89,10 +89,10 @@ class BeamQuadtree final : public BeamLookup {
   BlockRange blocksOf(std::size_t tile) const;
   /// What the beams of a tile have in common.
   struct TileBounds {
-    Interval starts{kInfinity,
-                    -kInfinity};  ///< first and last t at which they start; t0 > t1: no beams
-    float radius2 = 0;            ///< largest squared radius
-    std::optional<Vec3> origin;   ///< of all of them, if it is the same
+    /// The first and the last t at which they start; t0 > t1: no beams.
+    Interval starts{kInfinity, -kInfinity};
+    float radius2 = 0;           ///< the largest squared radius
+    std::optional<Vec3> origin;  ///< of all of them, if it is the same
   };
   const TileBounds& boundsOf(std::size_t tile) const { return tileBounds_[tile]; }
 

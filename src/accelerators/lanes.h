@@ -2,11 +2,11 @@
 // Eight floats at once, chosen at run time: one binary runs everywhere and uses AVX2 where it is.
 //
 // A kernel is written once, in an .inl file, as functions marked BRUME_KERNEL that work with Lanes.
-// A .cpp includes it twice, in namespaces of their own: with `using namespace lanes_generic` and an
-// empty BRUME_KERNEL, and with `using namespace lanes_avx2` and BRUME_KERNEL = BRUME_AVX2; it then
-// calls one or the other by hasAvx2(). Both do the same operations in the same order, so they give
-// the same bits. (Compiling a file with -mavx2 instead would let the linker choose AVX2 copies of
-// inline functions for everyone; ifuncs do not work under sanitizers.)
+// A .cpp includes it twice, in namespaces of their own (both_lanes.inl): with `using namespace
+// lanes_generic` and an empty BRUME_KERNEL, and with `using namespace lanes_avx2` and BRUME_KERNEL
+// = BRUME_AVX2; it then calls one or the other by hasAvx2(). Both do the same operations in the
+// same order, so they give the same bits. (Compiling a file with -mavx2 instead would let the
+// linker choose AVX2 copies of inline functions for everyone; ifuncs do not work under sanitizers.)
 #pragma once
 
 #include <algorithm>

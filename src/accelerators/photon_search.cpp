@@ -5,23 +5,8 @@
 namespace brume {
 namespace {
 
-namespace generic {
-using namespace lanes_generic;
-#define BRUME_KERNEL
-#include "accelerators/photon_search.inl"
-#undef BRUME_KERNEL
-}  // namespace generic
-
-#if BRUME_HAS_AVX2
-namespace avx2 {
-using namespace lanes_avx2;
-#define BRUME_KERNEL BRUME_AVX2
-#include "accelerators/photon_search.inl"
-#undef BRUME_KERNEL
-}  // namespace avx2
-#else
-namespace avx2 = generic;
-#endif
+#define BRUME_KERNELS "accelerators/photon_search.inl"
+#include "accelerators/both_lanes.inl"
 
 }  // namespace
 

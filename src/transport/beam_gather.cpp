@@ -127,29 +127,8 @@ struct GroupScratch {
   std::array<PhotonState, kPhotonGroup> states;
 };
 
-namespace generic {
-using namespace lanes_generic;
-#define BRUME_KERNEL
-#include "accelerators/beam_search.inl"
-#include "accelerators/lanes_exp.inl"
-#include "transport/beam_gather.inl"
-#include "transport/beam_gather_media.inl"
-#undef BRUME_KERNEL
-}  // namespace generic
-
-#if BRUME_HAS_AVX2
-namespace avx2 {
-using namespace lanes_avx2;
-#define BRUME_KERNEL BRUME_AVX2
-#include "accelerators/beam_search.inl"
-#include "accelerators/lanes_exp.inl"
-#include "transport/beam_gather.inl"
-#include "transport/beam_gather_media.inl"
-#undef BRUME_KERNEL
-}  // namespace avx2
-#else
-namespace avx2 = generic;
-#endif
+#define BRUME_KERNELS "transport/beam_gather_media.inl"
+#include "accelerators/both_lanes.inl"
 
 TileGather makeTileGather(const BeamQuadtree& tree, std::size_t tile, const Rgb& sigma_t,
                           std::vector<BlockSums>& sums) {

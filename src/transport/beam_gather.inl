@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Evaluation of photons in the beams of a tile, included once for each kind of Lanes (lanes.h),
-// after accelerators/lanes_exp.inl and accelerators/beam_search.inl.
+// Evaluation of photons in the beams of a tile, included once for each kind of Lanes (lanes.h).
+
+#include "accelerators/beam_search.inl"
+#include "accelerators/lanes_exp.inl"
 
 /// K2 without its factor.
 BRUME_KERNEL inline Lanes kernelOf(const BeamTreeView::Block& block, const Lanes& d2) {
@@ -25,6 +27,7 @@ BRUME_KERNEL inline Lanes seriesAt(const std::array<float, 4>& c, const Lanes& x
   return Lanes::all(c[0]) + x * (Lanes::all(c[1]) + x * (Lanes::all(c[2]) + x * Lanes::all(c[3])));
 }
 
+/// Its first two terms.
 BRUME_KERNEL inline Lanes lineAt(const std::array<float, 4>& c, const Lanes& x) {
   return Lanes::all(c[0]) + x * Lanes::all(c[1]);
 }
@@ -163,6 +166,7 @@ BRUME_KERNEL inline std::size_t prepareGroup(const BeamTreeView& tree, const Til
     states[i] = stateOf(photons[indices[there[i]]]);
     if (tile.origin) {
       const float l = distance(states[i].p, *tile.origin);
+      // Nearer than tStart it is in no beam, and the transmittance would grow.
       states[i].isNarrow = l >= std::max(tile.narrowReach, tile.tStart);
       states[i].q = states[i].p - *tile.origin;
       states[i].tKnown = l;

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The same as beam_gather.inl, which comes before, in media that vary along the beams.
+// beam_gather.inl, and the same in media that vary along the beams.
+
+#include "transport/beam_gather.inl"
 
 /// Adds a photon with all of its lobes to the beams of a block that it is inside of.
 BRUME_KERNEL inline void addToBlockInMedia(const BeamTreeView& tree, const TileGather& tile,

@@ -22,23 +22,8 @@ constexpr std::size_t kFewLights = 16;
 /// Light at the border of a cluster's emission still counts this much.
 constexpr float kLeastFalloff = 0.05f;
 
-namespace generic {
-using namespace lanes_generic;
-#define BRUME_KERNEL
-#include "transport/light_clusters.inl"
-#undef BRUME_KERNEL
-}  // namespace generic
-
-#if BRUME_HAS_AVX2
-namespace avx2 {
-using namespace lanes_avx2;
-#define BRUME_KERNEL BRUME_AVX2
-#include "transport/light_clusters.inl"
-#undef BRUME_KERNEL
-}  // namespace avx2
-#else
-namespace avx2 = generic;
-#endif
+#define BRUME_KERNELS "transport/light_clusters.inl"
+#include "accelerators/both_lanes.inl"
 
 }  // namespace
 

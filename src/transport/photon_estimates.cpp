@@ -53,25 +53,8 @@ struct BeamDepths {
   const Known* known = nullptr;
 };
 
-namespace generic {
-using namespace lanes_generic;
-#define BRUME_KERNEL
-#include "accelerators/lanes_exp.inl"
-#include "transport/photon_scatter.inl"
-#undef BRUME_KERNEL
-}  // namespace generic
-
-#if BRUME_HAS_AVX2
-namespace avx2 {
-using namespace lanes_avx2;
-#define BRUME_KERNEL BRUME_AVX2
-#include "accelerators/lanes_exp.inl"
-#include "transport/photon_scatter.inl"
-#undef BRUME_KERNEL
-}  // namespace avx2
-#else
-namespace avx2 = generic;
-#endif
+#define BRUME_KERNELS "transport/photon_scatter.inl"
+#include "accelerators/both_lanes.inl"
 
 /// g of all of a map's media.
 std::optional<float> phaseOf(const VolumePhotonMap& map) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // What photons scatter towards a viewer, eight at a time; included once for each kind of Lanes
-// (lanes_math.h), after accelerators/lanes_exp.inl.
+// (lanes_math.h).
+
+#include "accelerators/lanes_exp.inl"
 
 /// |v + s wi|^2 for the unit vectors wi that are packed in the lanes (PackedDirection).
 BRUME_KERNEL inline Lanes distance2To(const Vec3& v, const Lanes& s, const Lanes& packed) {

@@ -5,6 +5,7 @@
 #include <numeric>
 
 namespace brume {
+
 BoxTree::BoxTree(std::span<const Bounds3> boxes) : order_(boxes.size()) {
   std::iota(order_.begin(), order_.end(), 0u);
   if (!boxes.empty()) build(boxes, 0, static_cast<std::uint32_t>(boxes.size()));

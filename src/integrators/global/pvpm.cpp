@@ -261,23 +261,20 @@ void Pvpm::learnShares(const PassContext& context, const PhotonSet& pilot,
                        const FirstRadii& radii) {
   constexpr std::uint64_t kSharesPass = ~std::uint64_t{1};
   constexpr std::uint64_t kSharesPaths = 20'000;
-  const auto squareOf = [&radii](const Photon& photon, bool isInMedium) -> double {
-    if (kVolumePhotons.contains(photon.photonClass()) != isInMedium) return 0;
-    const Bounds3& reach = isInMedium ? radii.beamReach : radii.surfaceReach;
+  const auto squareOf = [&radii](const Photon& photon) -> double {
+    const Bounds3& reach = photon.isOnSurface() ? radii.surfaceReach : radii.beamReach;
     return reach.contains(photon.p) ? sqr(double{largestChannel(photon.power)}) : 0;
   };
-  std::array<double, 2> perSquare{};
-  for (const bool isInMedium : {false, true}) {
-    double sum = 0;
-    for (const Photon& photon : pilot.photons) sum += squareOf(photon, isInMedium);
-    const double variance = isInMedium ? radii.beamVariance : radii.surfaceVariance;
-    if (sum > 0) perSquare[isInMedium] = variance / sum;
-  }
-  if (!(perSquare[0] + perSquare[1] > 0)) return;
+  double onSurfaces = 0, inMedia = 0;  // sum P^2 of the pilot
+  for (const Photon& photon : pilot.photons)
+    (photon.isOnSurface() ? onSurfaces : inMedia) += squareOf(photon);
+  const double perSurfaceSquare = onSurfaces > 0 ? radii.surfaceVariance / onSurfaces : 0,
+               perMediumSquare = inMedia > 0 ? radii.beamVariance / inMedia : 0;
+  if (!(perSurfaceSquare + perMediumSquare > 0)) return;
   const auto square = [&](std::span<const Photon> photons) {
     double sum = 0;
     for (const Photon& photon : photons)
-      sum += perSquare[0] * squareOf(photon, false) + perSquare[1] * squareOf(photon, true);
+      sum += (photon.isOnSurface() ? perSurfaceSquare : perMediumSquare) * squareOf(photon);
     return sum;
   };
   Stats stats;
@@ -356,8 +353,8 @@ double Pvpm::squaredBlur() const {
 void Pvpm::watchBlur(const PassContext& context, const CameraBeams& camera,
                      const CameraBeamOptions& options) {
   if (!monitor_) return;
-  monitor_->addPass(probeLight(camera), {sqr(double{options.beamRadius}) * beamRadius_.has_value(),
-                                         sqr(double{options.surfaceRadius})});
+  monitor_->addPass(probeLight(camera),
+                    {sqr(double{options.beamRadius}), sqr(double{options.surfaceRadius})});
   const auto passes = static_cast<std::uint64_t>(context.pass) + 1;
   if (passes < kFirstLookAtBlur || !std::has_single_bit(passes)) return;
   const auto sharpen = [&](BlurMonitor::Kind kind, std::optional<RadiusSchedule>& schedule,

@@ -51,8 +51,7 @@ class Vpm final : public PhotonMapIntegrator {
       PhotonMapParams::visit(v);
       v(stepsize, "stepsize", kPositive, Unit::Length,
         "of the march; by default a hundredth of the media's diagonal, or less where the light "
-        "fills "
-        "a small part of them");
+        "fills a small part of them");
     }
   };
   Vpm(const Params& params, const FactoryContext& context)
