@@ -245,8 +245,14 @@ TEST_P(Signals, LeaveAReadableImage) {
   EXPECT_EQ(folder.files(), (std::vector<std::string>{"ball.exr", "ball.pbrt"}));
   const RgbImage image = readImage((folder.path() / "ball.exr").string());
   EXPECT_EQ(image.width, 24);
-  for (const Rgb& pixel : image.pixels) ASSERT_TRUE(std::isfinite(pixel.r));
-  EXPECT_TRUE(contains(result.err, "interrupted; wrote ball.exr")) << endOf(result.err);
+  // On a busy machine the signal comes before the first sample.
+  const bool isBlack =
+      contains(result.err, "interrupted before the first pass was done; wrote a black ball.exr");
+  for (const Rgb& pixel : image.pixels) {
+    ASSERT_TRUE(std::isfinite(pixel.r));
+    ASSERT_TRUE(!isBlack || pixel.isBlack());
+  }
+  EXPECT_TRUE(isBlack || contains(result.err, "interrupted; wrote ball.exr")) << endOf(result.err);
 }
 
 TEST(Render, SaysThatNothingWasRenderedYet) {
