@@ -20,7 +20,10 @@ template <class T>
 std::string listText(const std::vector<T>& list) {
   if (list.size() > kShownValues) return fmt::format("({} values)", list.size());
   std::string result;
-  for (const T& v : list) result += (result.empty() ? "" : " ") + text(v);
+  for (const T& v : list) {
+    if (!result.empty()) result += ' ';
+    result += text(v);
+  }
   return result;
 }
 
