@@ -4,8 +4,12 @@
 if(NOT BRUME_PCH)
   return()
 endif()
-if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_LAUNCHER MATCHES "ccache")
-  target_compile_options(brume_options INTERFACE -fpch-preprocess)  # ccache asks for it
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  # In precompiled headers GCC forgets that code is the system's, and reports std::string: false alarms like -Wrestrict's.
+  target_compile_options(brume_options INTERFACE -Wno-array-bounds -Wno-stringop-overflow -Wno-stringop-overread)
+  if(CMAKE_CXX_COMPILER_LAUNCHER MATCHES "ccache")
+    target_compile_options(brume_options INTERFACE -fpch-preprocess)  # ccache asks for it
+  endif()
 endif()
 target_precompile_headers(brume_core PRIVATE <core/math.h>
                           <algorithm> <array> <atomic> <bit> <cmath> <cstdint> <cstring> <filesystem> <functional>

@@ -13,6 +13,7 @@
 
 #include "core/io/image.h"
 #include "core/rng.h"
+#include "support/folders.h"
 #include "support/run_program.h"
 
 namespace brume::test {
@@ -21,7 +22,7 @@ namespace {
 using testing::HasSubstr;
 using testing::StartsWith;
 
-const std::filesystem::path kFolder = std::filesystem::path(BRUME_SOURCE_DIR) / "tests/bad";
+const std::filesystem::path kFolder = test::sourceFolder() / "tests/bad";
 
 /// Exit code 1 within 2 s of processor time and 1 GiB.
 void expectCheapRefusal(const ProgramResult& result) {

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "support/folders.h"
 #include "support/run_program.h"
 
 namespace brume::test {
@@ -190,7 +191,7 @@ TEST_F(Bench, WhatIsKeptMustBeWhole) {
 /// Runs a line of sh in which $brume is the program; returns the exit code.
 int shell(const TemporaryFolder& folder, const std::string& line) {
   const std::string all = "cd '" + folder.path().string() + "'; brume='" +
-                          std::string(BRUME_BINARY_DIR) + "/brume'; " + line;
+                          test::binaryFolder().string() + "/brume'; " + line;
   const int status = std::system(all.c_str());
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }

@@ -5,6 +5,7 @@
 
 #include <cstdlib>
 
+#include "support/folders.h"
 #include "support/run_program.h"
 
 namespace brume::test {
@@ -141,7 +142,7 @@ TEST(Options, PluginsOfAKindAreListed) {
 TEST(Options, AFullStandardOutputIsAnError) {
   // /dev/full accepts nothing: the manual must not vanish silently.
   const std::string command =
-      "'" + std::string(BRUME_BINARY_DIR) + "/brume' plugins >/dev/full 2>/dev/null";
+      "'" + test::binaryFolder().string() + "/brume' plugins >/dev/full 2>/dev/null";
   EXPECT_EQ(WEXITSTATUS(std::system(command.c_str())), 1);
 }
 

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/io/image.h"
+#include "support/folders.h"
 #include "support/run_program.h"
 
 namespace brume::test {
@@ -16,7 +17,7 @@ namespace fs = std::filesystem;
 
 std::vector<std::string> sceneNames() {
   std::vector<std::string> names;
-  const fs::path scenes = fs::path(BRUME_SOURCE_DIR) / "scenes";
+  const fs::path scenes = test::sourceFolder() / "scenes";
   for (const char* folder : {".", "report"})
     for (const auto& entry : fs::directory_iterator(scenes / folder))
       if (entry.path().extension() == ".pbrt")
@@ -29,7 +30,7 @@ class Scenes : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(Scenes, RendersSmall) {
   const TemporaryFolder folder;
-  const fs::path scene = fs::path(BRUME_SOURCE_DIR) / "scenes" / (GetParam() + ".pbrt");
+  const fs::path scene = test::sourceFolder() / "scenes" / (GetParam() + ".pbrt");
   const ProgramResult result = runBrume(
       {{scene.string(), "--resolution", "16x16", "--spp", "4", "--passes", "1", "--strict"},
        folder.path()});

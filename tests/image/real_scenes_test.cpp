@@ -11,6 +11,7 @@
 #include "core/io/image.h"
 #include "core/log.h"
 #include "renderers/render_job.h"
+#include "support/folders.h"
 #include "tools/image_metrics.h"
 
 namespace brume {
@@ -21,7 +22,7 @@ namespace fs = std::filesystem;
 std::optional<fs::path> scenesFolder() {
   std::vector<fs::path> places;
   if (const char* given = std::getenv("BRUME_PBRT_SCENES")) places.emplace_back(given);
-  places.push_back(fs::path(BRUME_SOURCE_DIR) / ".." / "shared" / "pbrt-v2-scenes");
+  places.push_back(test::sourceFolder() / ".." / "shared" / "pbrt-v2-scenes");
   for (const fs::path& place : places)
     if (fs::exists(place / "spotfog.pbrt")) return place;
   return std::nullopt;

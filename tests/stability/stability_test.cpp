@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "stability/stability_case.h"
+#include "support/folders.h"
 
 namespace brume::test {
 namespace {
@@ -85,7 +86,7 @@ INSTANTIATE_TEST_SUITE_P(Quick, Stability, testing::ValuesIn(allIn(Form::Quick))
 INSTANTIATE_TEST_SUITE_P(Full, Stability, testing::ValuesIn(allIn(Form::Full)), nameOf);
 
 TEST(StabilityTable, HasARowForEachCaseAndNoOther) {
-  std::ifstream in(BRUME_SOURCE_DIR "/docs/stability.md");
+  std::ifstream in(test::sourceFolder() / "docs/stability.md");
   ASSERT_TRUE(in) << "run scripts/stability_table";
   std::set<std::string> rows;
   for (std::string line; std::getline(in, line);)

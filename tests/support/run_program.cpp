@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "support/run_program.h"
+#include "support/folders.h"
 
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -42,7 +43,7 @@ constexpr std::chrono::seconds kPatience{60};
     setrlimit(RLIMIT_FSIZE, &limit);
   }
   std::vector<char*> words;
-  std::string program = std::string(BRUME_BINARY_DIR) + "/brume";
+  std::string program = test::binaryFolder().string() + "/brume";
   words.push_back(program.data());
   std::vector<std::string> arguments = input.arguments;
   for (std::string& word : arguments) words.push_back(word.data());

@@ -7,12 +7,14 @@
 #include <regex>
 #include <sstream>
 
+#include "support/folders.h"
+
 namespace {
 
 namespace fs = std::filesystem;
 
 TEST(Docs, LinksLeadToFiles) {
-  const fs::path root = BRUME_SOURCE_DIR;
+  const fs::path root = brume::test::sourceFolder();
   std::vector<fs::path> pages{root / "README.md"};
   for (const auto& entry : fs::directory_iterator(root / "docs"))
     if (entry.path().extension() == ".md") pages.push_back(entry.path());

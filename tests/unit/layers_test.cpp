@@ -12,6 +12,8 @@
 #include <string>
 #include <vector>
 
+#include "support/folders.h"
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -24,7 +26,7 @@ struct Include {
 };
 
 std::vector<Include> allIncludes() {
-  const fs::path src = fs::path(BRUME_SOURCE_DIR) / "src";
+  const fs::path src = brume::test::sourceFolder() / "src";
   const std::regex pattern(R"re(^\s*#\s*include\s*([<"])([^>"]+)[>"])re");
   std::vector<Include> includes;
   for (const auto& entry : fs::recursive_directory_iterator(src)) {
@@ -82,7 +84,7 @@ TEST(Layers, IncludesFollowTheLayers) {
 TEST(Layers, QuotedIncludesAreOurs) {
   for (const Include& include : allIncludes()) {
     if (include.isSystem) continue;
-    EXPECT_TRUE(fs::exists(fs::path(BRUME_SOURCE_DIR) / "src" / include.header))
+    EXPECT_TRUE(fs::exists(brume::test::sourceFolder() / "src" / include.header))
         << "src/" << include.file.string() << " includes \"" << include.header << '"';
   }
 }
@@ -113,7 +115,7 @@ TEST(Layers, EachLibraryIsInOnePairOfFiles) {
 TEST(Layers, OnlyTheCommandLineAndTheLogPrint) {
   // Libraries throw and log; standard output belongs to main.
   const std::regex printing(R"(std::cout|std::cerr|\bprintf\s*\(|\bexit\s*\(|\babort\s*\()");
-  const fs::path src = fs::path(BRUME_SOURCE_DIR) / "src";
+  const fs::path src = brume::test::sourceFolder() / "src";
   for (const auto& entry : fs::recursive_directory_iterator(src)) {
     const fs::path file = fs::relative(entry.path(), src);
     if (entry.path().extension() != ".cpp" || topFolder(file) == "main") continue;

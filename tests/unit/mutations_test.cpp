@@ -5,6 +5,8 @@
 #include <fstream>
 #include <sstream>
 
+#include "support/folders.h"
+
 namespace brume {
 namespace {
 
@@ -14,7 +16,7 @@ struct Mutation {
 
 std::vector<Mutation> readMutations() {
   std::vector<Mutation> all;
-  std::ifstream in(BRUME_SOURCE_DIR "/tests/mutations.txt");
+  std::ifstream in(test::sourceFolder() / "tests/mutations.txt");
   for (std::string line; std::getline(in, line);) {
     if (line.empty() || line[0] == '#') continue;
     const std::size_t space = line.find(' ');
@@ -41,7 +43,7 @@ TEST(Mutations, FitTheCode) {
   const auto all = readMutations();
   EXPECT_GE(all.size(), 14u);
   for (const Mutation& m : all) {
-    std::ifstream in(BRUME_SOURCE_DIR "/" + m.file);
+    std::ifstream in(test::sourceFolder() / m.file);
     ASSERT_TRUE(in) << m.name << ": " << m.file;
     std::stringstream text;
     text << in.rdbuf();

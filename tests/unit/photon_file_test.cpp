@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "transport/photon_file.h"
+#include "support/folders.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -186,7 +187,7 @@ TEST(PhotonFile, AppearsWholeOrNotAtAll) {
 /// them.
 TEST(PhotonFile, FuzzCorpusIsCurrent) {
   const std::filesystem::path folder =
-      std::filesystem::path(BRUME_SOURCE_DIR) / "tests" / "fuzz" / "corpus" / "photons";
+      test::sourceFolder() / "tests" / "fuzz" / "corpus" / "photons";
   for (const auto& [name, bytes] : test::fuzzCorpus()) {
     const std::string path = (folder / name).string();
     if (std::getenv("BRUME_WRITE_CORPUS")) {

@@ -12,6 +12,7 @@
 #include <set>
 #include <sstream>
 
+#include "support/folders.h"
 #include "tools/plugin_manual.h"
 
 namespace brume {
@@ -33,7 +34,7 @@ std::string readFile(const fs::path& path) {
 }
 
 std::vector<Registration> registrationsInSources() {
-  const fs::path src = fs::path(BRUME_SOURCE_DIR) / "src";
+  const fs::path src = test::sourceFolder() / "src";
   const std::regex pattern(R"re(RegisterPlugin<[^;{]*>\s*\w+\s*\{\s*"([^"]+)")re");
   std::vector<Registration> registrations;
   for (const auto& entry : fs::recursive_directory_iterator(src)) {
@@ -92,7 +93,7 @@ TEST(Registry, EveryPluginIsDescribed) {
 }
 
 TEST(PluginManual, PageInDocsIsFresh) {
-  const std::string page = readFile(fs::path(BRUME_SOURCE_DIR) / "docs" / "plugins.md");
+  const std::string page = readFile(test::sourceFolder() / "docs" / "plugins.md");
   EXPECT_TRUE(page == pluginManual({"", true}))
       << "docs/plugins.md is stale: run build/brume plugins --markdown > docs/plugins.md";
 }

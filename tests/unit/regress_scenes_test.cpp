@@ -17,13 +17,14 @@
 #include "core/shape.h"
 #include "core/texture.h"
 #include "core/volume.h"
+#include "support/folders.h"
 
 namespace brume {
 namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path kFolder = fs::path(BRUME_SOURCE_DIR) / "tests" / "images";
+const fs::path kFolder = test::sourceFolder() / "tests" / "images";
 
 std::string textOf(const fs::path& path) {
   std::ostringstream text;
