@@ -7,7 +7,7 @@
 #include <numeric>
 
 #include "accelerators/beam_order.h"
-#include "accelerators/lanes_math.h"
+#include "core/lanes_math.h"
 #include "core/error.h"
 #include "core/parallel.h"
 
@@ -54,7 +54,7 @@ void setBeam(BeamTreeView::Block& block, std::size_t i, const Beam& beam) {
 }
 
 #define BRUME_KERNELS "accelerators/beam_search.inl"
-#include "accelerators/both_lanes.inl"
+#include "core/both_lanes.inl"
 
 /// A photon's place in a tile.
 struct Place {

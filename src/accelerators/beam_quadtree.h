@@ -24,7 +24,7 @@
 #include "accelerators/beam_frustum.h"
 #include "accelerators/beam_lookup.h"
 #include "accelerators/beam_order.h"
-#include "accelerators/lanes.h"
+#include "core/lanes.h"
 
 namespace brume {
 

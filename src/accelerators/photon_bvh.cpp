@@ -10,7 +10,7 @@ namespace {
 using LaneRow = PhotonBvhView::LaneRow;
 
 #define BRUME_KERNELS "accelerators/photon_beam_search.inl"
-#include "accelerators/both_lanes.inl"
+#include "core/both_lanes.inl"
 
 /// Blocks per task.
 constexpr std::int64_t kBlocksPerTask = 64;

@@ -19,7 +19,7 @@
 #include <span>
 #include <vector>
 
-#include "accelerators/lanes.h"
+#include "core/lanes.h"
 #include "core/math.h"
 #include "core/parallel.h"
 

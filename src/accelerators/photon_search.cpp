@@ -6,7 +6,7 @@ namespace brume {
 namespace {
 
 #define BRUME_KERNELS "accelerators/photon_search.inl"
-#include "accelerators/both_lanes.inl"
+#include "core/both_lanes.inl"
 
 }  // namespace
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <bit>
 
-#include "accelerators/lanes_math.h"
+#include "core/lanes_math.h"
 #include "transport/depth_tables.h"
 
 namespace brume {
@@ -128,7 +128,7 @@ struct GroupScratch {
 };
 
 #define BRUME_KERNELS "transport/beam_gather_media.inl"
-#include "accelerators/both_lanes.inl"
+#include "core/both_lanes.inl"
 
 TileGather makeTileGather(const BeamQuadtree& tree, std::size_t tile, const Rgb& sigma_t,
                           std::vector<BlockSums>& sums) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "transport/light_tree.h"
 
-#include "accelerators/lanes_math.h"
+#include "core/lanes_math.h"
 #include "core/error.h"
 
 namespace brume {
@@ -23,7 +23,7 @@ constexpr std::size_t kFewLights = 16;
 constexpr float kLeastFalloff = 0.05f;
 
 #define BRUME_KERNELS "transport/light_clusters.inl"
-#include "accelerators/both_lanes.inl"
+#include "core/both_lanes.inl"
 
 }  // namespace
 

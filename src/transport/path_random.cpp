@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "transport/path_random.h"
 
-#include "accelerators/lanes.h"
+#include "core/lanes.h"
 
 namespace brume {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "transport/photon_estimates.h"
 
-#include "accelerators/lanes_math.h"
+#include "core/lanes_math.h"
 #include "transport/depth_tables.h"
 #include "transport/kernels.h"
 
@@ -54,7 +54,7 @@ struct BeamDepths {
 };
 
 #define BRUME_KERNELS "transport/photon_scatter.inl"
-#include "accelerators/both_lanes.inl"
+#include "core/both_lanes.inl"
 
 /// g of all of a map's media.
 std::optional<float> phaseOf(const VolumePhotonMap& map) {

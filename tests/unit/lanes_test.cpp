@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Both kinds of lanes do the same, bit for bit.
-#include "accelerators/lanes_math.h"
+#include "core/lanes_math.h"
 
 #include <gtest/gtest.h>
 

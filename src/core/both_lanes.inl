@@ -2,7 +2,7 @@
 // Includes the kernels in the file BRUME_KERNELS once for each kind of Lanes (lanes.h): namespaces
 // generic and avx2, which are the same where there is no AVX2. For a .cpp, inside of its namespace:
 //   #define BRUME_KERNELS "transport/kernels_of_mine.inl"
-//   #include "accelerators/both_lanes.inl"
+//   #include "core/both_lanes.inl"
 
 namespace generic {
 using namespace lanes_generic;
