@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "core/cubic_density.h"
+
 namespace brume {
 
 namespace {
@@ -30,22 +32,32 @@ void MediumAlongRay::assign(const Volume& volume, const Ray& ray, Interval range
   if (range.isEmpty()) return;
   volume.appendPieces(ray, range, pieces_);
 
-  // One region alone: its pieces are the spans.
+  findMaxAlbedo();
   bool overlaps = false;
   for (std::size_t i = 1; i < pieces_.size() && !overlaps; ++i)
     overlaps = pieces_[i].t0 < pieces_[i - 1].t1;
   if (overlaps) {
     sweepOverlaps();
-  } else {
-    indices_.resize(pieces_.size());
-    spans_.resize(pieces_.size());
-    for (std::uint32_t i = 0; i < pieces_.size(); ++i) {
-      indices_[i] = i;
-      spans_[i] = {pieces_[i].t0, pieces_[i].t1, i, 1, Vec3d(0), Vec3d(0)};
-    }
+    accumulateDepths();
+    return;
   }
-  findMaxAlbedo();
-  accumulateDepths();
+
+  // One region alone: its pieces are the spans.
+  indices_.resize(pieces_.size());
+  spans_.resize(pieces_.size());
+  const MediumCoefficients* unit = nullptr;
+  Vec3d sigma_t(0);
+  for (std::uint32_t i = 0; i < pieces_.size(); ++i) {
+    const MediumPiece& p = pieces_[i];
+    if (p.unit != unit) {
+      unit = p.unit;
+      sigma_t = toDouble(unit->sigma_t());
+    }
+    indices_[i] = i;
+    spans_[i] = {p.t0, p.t1, i, 1, total_, Vec3d(0)};
+    if (!isTracked_) total_ += sigma_t * p.integral(p.t0, p.t1);
+  }
+  if (isTracked_) accumulateDepths();
 }
 
 void MediumAlongRay::findMaxAlbedo() {
@@ -190,6 +202,12 @@ std::optional<float> MediumAlongRay::invert(int channel, double depth) const {
   const Span& s = spans_[lo];
   const double s0 = s.depth[channel] + s.jump[channel];
   if (depth <= s0) return std::clamp(static_cast<float>(s.t0), range_.t0, range_.t1);
+  const MediumPiece& p = piece(s, 0);
+  if (s.count == 1 && p.form == MediumPiece::Form::Cubic && s.t0 == p.t0 && s.t1 == p.t1) {
+    const double sigma_t = p.unit->sigma_t()[channel];
+    const double t = p.t0 + invertCubic(p, (depth - s0) / sigma_t, p.integral(p.t0, p.t1));
+    return std::clamp(static_cast<float>(t), range_.t0, range_.t1);
+  }
   const double t =
       s.t0 + invertMonotone([&](double x) { return depthBetween(s, channel, s.t0, s.t0 + x); },
                             [&](double x) { return extinction(s, channel, s.t0 + x); }, s.t1 - s.t0,

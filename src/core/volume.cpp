@@ -27,6 +27,7 @@ double MediumPiece::integral(double a, double b) const {
   if (form == Form::Tracked) return 0;
   if (form == Form::Exponential)
     return density(c[1] > 0 ? a : b) * (b - a) * exponentialMean(std::abs(c[1]) * (b - a));
+  if (a == t0 && b == t1) return 0.25 * (b - a) * (c[0] + c[1] + c[2] + c[3]);
   // Two Gauss points integrate a cubic exactly, with positive weights.
   const double middle = 0.5 * (a + b), half = 0.5 * (b - a);
   return half * (density(middle - half * kGauss2) + density(middle + half * kGauss2));

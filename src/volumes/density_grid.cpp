@@ -19,6 +19,8 @@ std::int32_t blocks(std::int32_t n) { return n / 8 + (n % 8 != 0); }
 
 DensityGrid::DensityGrid(std::vector<float> voxels, const Cell& size)
     : voxels_(std::move(voxels)), size_(size) {
+  // Pairs along x end in the grid, unless an axis of one voxel has none.
+  if (size_[0] == 1) voxels_.push_back(0);
   buildFirstLevel();
   while (buildNextLevel()) {
   }
@@ -93,9 +95,10 @@ double DensityGrid::density(const Vec3d& w) const {
 
 DensityGrid::Sampler::Sampler(const DensityGrid& grid) {
   const auto rowLength = static_cast<std::size_t>(grid.size_[0]);
-  rowsUpTo_.reserve(grid.voxels_.size() / rowLength);
+  const std::size_t count = product(grid.size_);
+  rowsUpTo_.reserve(count / rowLength);
   double sum = 0;
-  for (std::size_t begin = 0; begin < grid.voxels_.size(); begin += rowLength) {
+  for (std::size_t begin = 0; begin < count; begin += rowLength) {
     for (std::size_t i = 0; i < rowLength; ++i) sum += double{grid.voxels_[begin + i]};
     rowsUpTo_.push_back(sum);
   }

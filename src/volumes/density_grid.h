@@ -28,6 +28,16 @@ class DensityGrid {
 
   const Cell& size() const { return size_; }
   float maxDensity() const { return maxDensity_; }
+  /// x fastest; where size()[0] is 1, one float more can be read.
+  const float* voxels() const { return voxels_.data(); }
+  /// Levels of blocks: of 8^level cells an axis, level = 1 ... levels().
+  int levels() const { return static_cast<int>(levels_.size()); }
+  /// The largest density in a block.
+  float blockMax(int level, const Cell& block) const {
+    const Level& l = levels_[static_cast<std::size_t>(level - 1)];
+    return l
+        .max[(static_cast<std::size_t>(block[2]) * l.size[1] + block[1]) * l.size[0] + block[0]];
+  }
   /// At a point of lattice space; positions outside the box take the nearest value.
   double density(const Vec3d& w) const;
   /// Bytes beyond the voxels.
@@ -43,6 +53,11 @@ class DensityGrid {
   /// that. `finest` > 0 ends the descent at blocks of 8^finest cells.
   template <class Visit>
   bool walk(const LatticeRay& ray, double ta, double tb, int finest, Visit&& visit) const;
+  /// The same for all cells, those without density as well: for short ways.
+  template <class Visit>
+  bool walkCells(const LatticeRay& ray, double ta, double tb, Visit&& visit) const {
+    return walkLevel(ray, inverseOf(ray), 0, {0, 0, 0}, size_, ta, tb, 0, visit);
+  }
 
   /// The densities at the corners of one cell.
   class CellCorners {
@@ -87,14 +102,10 @@ class DensityGrid {
     std::vector<float> max;  // x fastest
   };
 
+  static Vec3d inverseOf(const LatticeRay& ray) { return {1 / ray.d.x, 1 / ray.d.y, 1 / ray.d.z}; }
   template <class Visit>
   bool walkLevel(const LatticeRay& ray, const Vec3d& inverse, int level, const Cell& lo,
                  const Cell& hi, double ta, double tb, int finest, Visit&& visit) const;
-  float blockMax(int level, const Cell& block) const {
-    const Level& l = levels_[static_cast<std::size_t>(level - 1)];
-    return l
-        .max[(static_cast<std::size_t>(block[2]) * l.size[1] + block[1]) * l.size[0] + block[0]];
-  }
   void buildFirstLevel();
   bool buildNextLevel();
 
@@ -110,8 +121,7 @@ bool DensityGrid::walk(const LatticeRay& ray, double ta, double tb, int finest,
   if (!(ta < tb) || maxDensity_ == 0) return true;
   const int top = static_cast<int>(levels_.size());
   const Cell hi{levels_.back().size[0] - 1, levels_.back().size[1] - 1, levels_.back().size[2] - 1};
-  const Vec3d inverse(1 / ray.d.x, 1 / ray.d.y, 1 / ray.d.z);
-  return walkLevel(ray, inverse, top, {0, 0, 0}, hi, ta, tb, std::min(finest, top),
+  return walkLevel(ray, inverseOf(ray), top, {0, 0, 0}, hi, ta, tb, std::min(finest, top),
                    std::forward<Visit>(visit));
 }
 

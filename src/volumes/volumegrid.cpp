@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
-#include "core/medium_along_ray.h"
 #include "core/registry.h"
 #include "volumes/box_volume.h"
 #include "volumes/density_grid.h"
+#include "volumes/slab_walk.h"
 
 namespace brume {
 
@@ -28,7 +28,7 @@ DensityGrid takeGrid(std::vector<float> density, int nx, int ny, int nz,
 ///   density(p) = sum of the eight nearest voxels, weighted
 /// Integrated exactly along rays: in a cell of eight voxel centres the density is a cubic in t (two
 /// Gauss points), its integral a quartic that is inverted by bracketed Newton steps.
-/// Source: PBRT-v2 for the data, Amanatides and Woo 1987 for the walk. Test: volumegrid_test.
+/// Source: PBRT-v2 for the data. Test: volumes_test, slab_walk_test.
 class VolumeGrid final : public BoxVolume {
  public:
   struct Params : VolumeParams {
@@ -58,45 +58,14 @@ class VolumeGrid final : public BoxVolume {
   double maxDensity() const override { return double{grid_.maxDensity()}; }
 
   double integral(const LocalRay& ray, IntervalD range) const override {
-    const DensityGrid::LatticeRay lattice = latticeRay(ray);
-    double sum = 0;
-    grid_.walk(lattice, range.t0, range.t1, 0,
-               [&](const DensityGrid::Cell& cell, double t0, double t1) {
-                 sum += cellIntegral(lattice, cell, t0, t1);
-                 return true;
-               });
-    return sum;
+    return integrateDensity(grid_, latticeRay(ray), range.t0, range.t1);
   }
-
   std::optional<double> invert(const LocalRay& ray, IntervalD range, double target) const override {
-    const DensityGrid::LatticeRay lattice = latticeRay(ray);
-    double sum = 0;
-    std::optional<double> result;
-    grid_.walk(lattice, range.t0, range.t1, 0,
-               [&](const DensityGrid::Cell& cell, double t0, double t1) {
-                 const double inside = cellIntegral(lattice, cell, t0, t1);
-                 if (sum + inside < target) {
-                   sum += inside;
-                   return true;
-                 }
-                 const MediumPiece piece = cellPiece(lattice, cell, t0, t1);
-                 result = t0 + invertMonotone([&](double s) { return piece.integral(t0, t0 + s); },
-                                              [&](double s) { return piece.density(t0 + s); },
-                                              t1 - t0, target - sum, inside);
-                 return false;
-               });
-    return result;
+    return invertDensity(grid_, latticeRay(ray), range.t0, range.t1, target);
   }
-
   void appendDensity(const LocalRay& ray, IntervalD range,
                      std::vector<MediumPiece>& pieces) const override {
-    const DensityGrid::LatticeRay lattice = latticeRay(ray);
-    grid_.walk(lattice, range.t0, range.t1, 0,
-               [&](const DensityGrid::Cell& cell, double t0, double t1) {
-                 const DensityGrid::CellCorners corners(grid_, cell);
-                 if (!corners.isEmpty()) pieces.push_back(cellPiece(lattice, cell, t0, t1));
-                 return true;
-               });
+    appendCubics(grid_, latticeRay(ray), range.t0, range.t1, pieces);
   }
 
   double totalDensity() const override {
@@ -109,13 +78,19 @@ class VolumeGrid final : public BoxVolume {
   }
 
   std::optional<IntervalD> tighten(const LocalRay& ray, IntervalD range) const override {
+    // The first occupied block, and the last: the first that is met from the other end.
+    const DensityGrid::LatticeRay lattice = latticeRay(ray);
     std::optional<IntervalD> occupied;
-    grid_.walk(latticeRay(ray), range.t0, range.t1, 1,
-               [&](const DensityGrid::Cell&, double t0, double t1) {
-                 if (!occupied) occupied = IntervalD{t0, t1};
-                 occupied->t1 = t1;
-                 return true;
-               });
+    grid_.walk(lattice, range.t0, range.t1, 1, [&](const DensityGrid::Cell&, double t0, double t1) {
+      occupied = IntervalD{t0, t1};
+      return false;
+    });
+    if (occupied)
+      grid_.walk({lattice.o, -lattice.d}, -range.t1, -occupied->t1, 1,
+                 [&](const DensityGrid::Cell&, double t0, double) {
+                   occupied->t1 = -t0;
+                   return false;
+                 });
     return occupied;
   }
 
@@ -123,21 +98,6 @@ class VolumeGrid final : public BoxVolume {
   Vec3d latticePoint(const Vec3d& p) const { return (p - boxLo()) * toLattice_ + Vec3d(0.5); }
   DensityGrid::LatticeRay latticeRay(const LocalRay& ray) const {
     return {latticePoint(ray.o), ray.d * toLattice_};
-  }
-  double cellIntegral(const DensityGrid::LatticeRay& ray, const DensityGrid::Cell& cell, double t0,
-                      double t1) const {
-    const DensityGrid::CellCorners corners(grid_, cell);
-    if (corners.isEmpty()) return 0;
-    const double middle = 0.5 * (t0 + t1), half = 0.5 * (t1 - t0);
-    return half * (corners.at(DensityGrid::inCell(ray, cell, middle - half * kGauss2)) +
-                   corners.at(DensityGrid::inCell(ray, cell, middle + half * kGauss2)));
-  }
-  MediumPiece cellPiece(const DensityGrid::LatticeRay& ray, const DensityGrid::Cell& cell,
-                        double t0, double t1) const {
-    return {MediumPiece::Form::Cubic, t0, t1,
-            DensityGrid::CellCorners(grid_, cell)
-                .bernstein(DensityGrid::inCell(ray, cell, t0), DensityGrid::inCell(ray, cell, t1)),
-            nullptr};
   }
 
   DensityGrid grid_;
