@@ -150,7 +150,6 @@ TEST(SlabWalk, DensitiesOfAllMagnitudesKeepTheirs) {
   // Along an axis the densities between the rows do not mix: what is 0, denormal or 1e10 beside a
   // row leaves it alone.
   constexpr std::int32_t n = 12;
-  Rng rng(5);
   std::vector<float> densities(n * n * n);
   for (std::size_t i = 0; i < densities.size(); ++i) {
     const std::size_t row = i / n;
