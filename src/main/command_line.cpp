@@ -54,7 +54,7 @@ void declareRender(CLI::App& app, RenderWords& words) {
   app.add_option("SCENE", words.scenes,
                  "scene files, rendered one after another; - is standard input")
       ->type_name("");
-  const auto image = [&app](CLI::Option* option) { option->group("Image"); };
+  const auto image = [](CLI::Option* option) { option->group("Image"); };
   image(addValue(app, "-o,--outfile", words.outfile, "FILE",
                  "image to write (.exr .png .pfm .tga); default: the scene's"));
   image(addValue(app, "--resolution", words.resolution, "WxH", "size of the image in pixels"));
@@ -68,7 +68,7 @@ void declareRender(CLI::App& app, RenderWords& words) {
 
   image(app.add_flag("--png", words.png, "also write a PNG beside the image"));
 
-  const auto work = [&app](CLI::Option* option) { option->group("How much work"); };
+  const auto work = [](CLI::Option* option) { option->group("How much work"); };
   work(addValue(app, "--spp", words.spp, "N", "samples per pixel"));
   work(addValue(app, "--passes", words.passes, "N", "rounds over the whole image"));
   work(addValue(app, "--time", words.time, "60s|2m|1h", "render passes for so long"));
@@ -80,14 +80,14 @@ void declareRender(CLI::App& app, RenderWords& words) {
   work(addValue(app, "--seed", words.seed, "N",
                 "another seed gives other noise; default 0, always the same image"));
 
-  const auto method = [&app](CLI::Option* option) { option->group("Method"); };
+  const auto method = [](CLI::Option* option) { option->group("Method"); };
   method(app.add_option("--integrator", words.integrators,
                         "use this surface, volume or global integrator instead of the scene's; "
                         "may be repeated")
              ->type_name("NAME[:key=value,...]")
              ->allow_extra_args(false));
 
-  const auto report = [&app](CLI::Option* option) { option->group("Messages"); };
+  const auto report = [](CLI::Option* option) { option->group("Messages"); };
   report(app.add_flag("--check", words.check, "read and validate the scene, render nothing"));
   report(app.add_flag("--plan", words.plan,
                       "print what the scene needs and what is skipped, render nothing"));

@@ -41,6 +41,7 @@ struct Outgoing {
   Rgb weight;     ///< scattering function times cosine [1/sr], or the whole weight if specular
   float pdf = 0;  ///< per solid angle
   bool isSpecular = false;
+  float aimed = 1;  ///< pdf over that of the scattering function alone
 };
 
 /// A collision in a medium, as a vertex of a path: scatters by the phase function.
@@ -159,6 +160,7 @@ class VolPath final : public RayGlobalIntegrator {
     Arrival arrival;
     Rgb L, throughput{1.f};
     int scatterings = 0;
+    float aimed = 1;  ///< of the present direction: see Outgoing
     PathComponent component = PathComponent::Emission;  ///< of light that the present ray meets
   };
   /// A free flight: where it ends, if in the medium, and with which density [1/length].
@@ -371,13 +373,15 @@ std::optional<Outgoing> VolPath::sampleDirection(const Vertex& vertex, const Tow
     const Vec3 wi = towards.sample(u);
     const BsdfValue value = vertex.evaluate(wi);
     if (value.f.isBlack()) return std::nullopt;
-    return Outgoing{FootprintRay(vertex.spawn(wi)), value.f, towards.mixed(wi, value.pdf)};
+    const float pdf = towards.mixed(wi, value.pdf);
+    return Outgoing{FootprintRay(vertex.spawn(wi)), value.f, pdf, false, pdf / value.pdf};
   }
   uLobe = std::min((uLobe - share) / (1 - share), kOneMinusEpsilon);
   auto outgoing = vertex.sample(ray, uLobe, u);
   if (!outgoing || !(outgoing->pdf > 0)) return std::nullopt;
-  outgoing->pdf = outgoing->isSpecular ? (1 - share) * outgoing->pdf
-                                       : towards.mixed(outgoing->ray.d, outgoing->pdf);
+  const float own = outgoing->pdf;
+  outgoing->pdf = outgoing->isSpecular ? (1 - share) * own : towards.mixed(outgoing->ray.d, own);
+  outgoing->aimed = outgoing->pdf / own;
   return outgoing;
 }
 
@@ -397,6 +401,7 @@ bool VolPath::scatter(PathState& path, const Vertex& vertex, PointWeight&& point
   if (!outgoing) return false;
   path.throughput *= outgoing->weight / outgoing->pdf;
   path.ray = outgoing->ray;
+  path.aimed = outgoing->aimed;
   path.arrival = {!outgoing->isSpecular, outgoing->pdf, vertex.p(), vertex.receiver()};
   path.component = outgoing->isSpecular ? after(path.component, Scattering::Specular) : component;
   return true;
@@ -404,9 +409,11 @@ bool VolPath::scatter(PathState& path, const Vertex& vertex, PointWeight&& point
 
 /// Russian roulette. By the throughput alone, so that a path that has lost nothing goes on: in a
 /// medium that absorbs nothing survival is 1, until the path is so long that only a closed scene
-/// can hold it.
+/// can hold it. A direction drawn around a light carries little because much will be scattered along
+/// it: that is left out of the throughput here, or the survivors would have lost what the direction
+/// was drawn for, weights that no light's distance from the ray can blow up.
 bool VolPath::survives(PathState& path, RenderContext& context) const {
-  const float carried = path.throughput.maxChannel();
+  const float carried = path.throughput.maxChannel() * path.aimed;
   if (!(carried > 0)) return false;
   if (path.scatterings < kRouletteStart) return true;
   const float survival = std::min(carried, path.scatterings < kLongPath ? 1.f : kLongPathSurvival);
