@@ -56,9 +56,9 @@ std::unique_ptr<Volume> makeCloud(const std::string& shape = "ball", int octaves
   return make<Volume>("cloud", cloudParams(shape, octaves));
 }
 
-const std::array<Ray, 3> kRays = {Ray(Vec3(-3, .1f, .2f), Vec3(1, 0, 0)),
-                                  Ray(Vec3(.2f, -.1f, .1f), normalize(Vec3(1, 2, -1.5f))),
-                                  Ray(Vec3(2, 2, 2), normalize(Vec3(-1, -1.05f, -.95f)))};
+const std::array<Ray, 3> kRays = {Ray{Vec3(-3, .1f, .2f), Vec3(1, 0, 0)},
+                                  Ray{Vec3(.2f, -.1f, .1f), normalize(Vec3(1, 2, -1.5f))},
+                                  Ray{Vec3(2, 2, 2), normalize(Vec3(-1, -1.05f, -.95f))}};
 
 /// Optical depth from the start of the range to t, by quadrature of the density.
 Vec3d exactDepth(const Volume& volume, const Ray& ray, double a, double b) {
@@ -161,7 +161,7 @@ TEST(Cloud, BoundsHoldAtTheEndsOfTheParameters) {
         const auto cloud = make<Volume>("cloud", std::move(params));
         Rng rng(9);
         for (int i = 0; i < 300; ++i) {
-          const Ray ray(randomDirection(rng) * 2.f, randomDirection(rng));
+          const Ray ray{randomDirection(rng) * 2.f, randomDirection(rng)};
           const Rgb Tr = cloud->transmittance(ray);
           EXPECT_GE(Tr.minChannel(), 0);
           EXPECT_LE(Tr.maxChannel(), 1);

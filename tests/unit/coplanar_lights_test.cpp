@@ -57,7 +57,7 @@ TEST(CoplanarLights, AreFoundFromBothSides) {
     const auto found = [&](float x, float y) {
       const Vec3 target = room.turned.point(Vec3(x, y, 0)),
                  from = room.turned.point(Vec3(.3f, .2f, 2 * side));
-      const Ray ray(from, normalize(target - from));
+      const Ray ray{from, normalize(target - from)};
       return lights.at(ray, distance(from, target), 1e-4f).has_value();
     };
     EXPECT_TRUE(found(.1f, .3f));

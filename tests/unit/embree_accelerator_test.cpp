@@ -179,7 +179,7 @@ TEST(EmbreeAccelerator, AlphaCutsWhereItIsZero) {
   w.top().primitives.push_back(w.add(makeShape("disk", {floats("height", {1})})));
   const auto accelerator = buildEmbreeAccelerator(w.groups);
   for (float x = 0.05f; x < 0.7f; x += 0.1f) {
-    Ray ray({x, 0.5f, -1}, {0, 0, 1});
+    Ray ray{{x, 0.5f, -1}, {0, 0, 1}};
     ASSERT_TRUE(accelerator->intersect(ray));
     EXPECT_FLOAT_EQ(accelerator->intersect(ray)->shape.t, x > 0.5f ? 1 : 2);
     ray.tMax = 1.5f;
@@ -243,7 +243,6 @@ TEST(EmbreeAccelerator, InstancesMoveAsTheirTransform) {
 
 TEST(EmbreeAccelerator, EqualDistancesDoNotDependOnTheThreads) {
   // Coincident layers: which one is hit is a matter of the order in the tree alone.
-  Rng rng(4);
   World w;
   std::vector<Vec3> P;
   std::vector<int> indices;

@@ -30,7 +30,7 @@ Scene scene() {
 }
 
 float pdfAlong(const Scene& scene, const EmissionSampler& sampler, const Vec3& p, const Vec3& w) {
-  const Ray ray(p, w);
+  const Ray ray{p, w};
   const auto range = scene.volume()->intersect(ray);
   if (!range) return 0;
   return sampler.pdf(ray, MediumAlongRay(*scene.volume(), ray, *range));
@@ -75,7 +75,7 @@ TEST(EmissionSampler, DensityIsThatOfTheDirections) {
 TEST(EmissionSampler, DensityReachesBehindTheEndOfTheRay) {
   const Scene media = scene();
   const EmissionSampler sampler(media);
-  Ray ray(kInside, normalize(Vec3(-.2f, .3f, -.1f)));
+  Ray ray{kInside, normalize(Vec3(-.2f, .3f, -.1f))};
   const float whole = pdfAlong(media, sampler, ray.o, ray.d);
   for (float end : {1e-3f, .1f, .5f, 5.f}) {
     ray.tMax = end;

@@ -46,7 +46,7 @@ TEST(Interaction, FootprintsAreDifferencesOfUv) {
     const auto to = [&](Vec2 d) {
       return normalize(a * (si.uv.x + d.x) + b * (si.uv.y + d.y) - eye);
     };
-    const FootprintRay ray(Ray(eye, to(Vec2(0))), {eye, eye, to(dx), to(dy)});
+    const FootprintRay ray(Ray{eye, to(Vec2(0))}, {eye, eye, to(dx), to(dy)});
     si.computeFootprint(ray, {10, 20, 30});
     EXPECT_EQ(si.texture.uv, si.uv);
     EXPECT_EQ(si.texture.p, si.p + Vec3(10, 20, 30));
@@ -63,7 +63,7 @@ TEST(Interaction, DegenerateFootprintsAreZero) {
   SurfaceInteraction si;
   si.geometry.dpdu = {1, 0, 0};
   si.geometry.dpdv = {0, 1, 0};
-  const Ray ray({0, 0, 1}, {0, 0, -1});
+  const Ray ray{{0, 0, 1}, {0, 0, -1}};
   si.computeFootprint(FootprintRay(ray), Vec3(0));
   EXPECT_EQ(si.texture.dudx, 0);
   // A neighbouring ray parallel to the surface.

@@ -122,7 +122,7 @@ TEST(LightTree, ProbabilitiesAreThoseOfTheChoices) {
       const Vec3 p = randomPoint(rng), d = test::randomDirection(rng);
       expectProbabilitiesOfChoices(tree, PointReceiver(p));
       expectProbabilitiesOfChoices(tree, PointReceiver(p, d));
-      expectProbabilitiesOfChoices(tree, RayReceiver(Ray(p, d), {1, 1 + 20 * rng.uniform()}));
+      expectProbabilitiesOfChoices(tree, RayReceiver(Ray{p, d}, {1, 1 + 20 * rng.uniform()}));
     }
   }
 }
@@ -136,7 +136,7 @@ TEST(LightTree, LightThatArrivesIsFoundByImportance) {
   int arrivals = 0;
   for (int k = 0; k < 300; ++k) {
     const Vec3 p = randomPoint(rng), d = test::randomDirection(rng);
-    const Ray ray(p, d);
+    const Ray ray{p, d};
     const Interval range{0, 0.1f + 20 * rng.uniform()};
     const RayReceiver stretch(ray, range);
     const float t = range.t1 * rng.uniform();
@@ -200,7 +200,7 @@ TEST(LightTree, LightsAtOnePlaceAreTakenApart) {
                 0.9 * (1 + i) / power + 0.1 / 40, 1e-6);
   // At the lights themselves nothing overflows.
   expectProbabilitiesOfChoices(tree, PointReceiver(Vec3(1, 2, 3)));
-  expectProbabilitiesOfChoices(tree, RayReceiver(Ray(Vec3(1, 2, 0), Vec3(0, 0, 1)), {0, 9}));
+  expectProbabilitiesOfChoices(tree, RayReceiver(Ray{Vec3(1, 2, 0), Vec3(0, 0, 1)}, {0, 9}));
 }
 
 TEST(LightTree, ExtremesOfScaleAndStrengthKeepTheirShares) {

@@ -205,7 +205,7 @@ TEST(Plan, EmptySpaceInGridsIsSteppedOver) {
   std::vector<float> density(kSide * kSide * kSide, 1.f);
   const auto spansOf = [&](const Vec3& through) {
     const auto grid = test::makeGrid(spec, kSide, kSide, kSide, density);
-    const Ray ray(through - Vec3(2, 0, 0), Vec3(1, 0, 0));
+    const Ray ray{through - Vec3(2, 0, 0), Vec3(1, 0, 0)};
     const MediumAlongRay medium(*grid, ray, *grid->intersect(ray));
     return std::vector<MediumAlongRay::Span>(medium.spans().begin(), medium.spans().end());
   };

@@ -57,7 +57,7 @@ TEST(Pvpm, LookupsGiveTheSameImage) {
        {std::pair(fog(thinning + " \"string phase\" \"rayleigh\"", "exponential"), true),
         std::pair(fog(thinning, "exponential"), false), std::pair(kFog, false),
         std::pair(kFog + fog(thinning, "exponential"), false)}) {
-    const auto render = [&](const std::string& lookup) {
+    const auto render = [&medium = medium](const std::string& lookup) {
       return renderText(scene("\"pvpm\" \"integer passes\" 2 \"integer photonsperpass\" 3000 "
                               "\"string lookup\" \"" +
                                   lookup + "\"",

@@ -55,12 +55,11 @@ TEST(Quadric, RaysTowardsPointsOfTheSurfaceHitItAtTheirParameters) {
       const Vec3d target = apply(t.transform, q.at(u, v));
       const Vec3 origin = randomPoint(rng, shape.bounds(), 4);
       const Vec3 direction = normalize(Vec3(target - Vec3d(origin)));
-      const Ray ray(origin, direction);
+      const Ray ray{origin, direction};
       const std::optional<ShapeHit> hit = shape.intersect(ray);
       // Rounding may push a ray past an edge, or a grazing one off the surface.
       if (!hit) {
         const bool nearEdge = u < 1e-3 || u > 0.999 || v < 1e-3 || v > 0.999;
-        const Vec3d eps(1e-4, 0, 0), e2(0, 1e-4, 0);
         const Vec3d n = cross(q.at(u + 1e-4, v) - q.at(u, v), q.at(u, v + 1e-4) - q.at(u, v));
         const Vec3d d = apply(t.transform.inverse(), Vec3d(origin)) - q.at(u, v);
         EXPECT_TRUE(nearEdge || std::abs(dot(normalize(n), normalize(d))) < 0.02) << u << ' ' << v;
@@ -97,7 +96,7 @@ TEST(Quadric, DerivativesAgreeWithDifferences) {
       const double u = 0.05 + 0.9 * rng.uniform(), v = 0.05 + 0.9 * rng.uniform();
       const Vec3d p = at(u, v), away = n(u, v);
       const double size = length(shape.bounds().diagonal());
-      const Ray ray(Vec3(p + away * (0.01 * size)), Vec3(-away));
+      const Ray ray{Vec3(p + away * (0.01 * size)), Vec3(-away)};
       const std::optional<ShapeHit> hit = shape.intersect(ray);
       ASSERT_TRUE(hit);
       const SurfaceInteraction si = shape.interaction(ray, *hit);
@@ -194,7 +193,7 @@ TEST(Quadric, SampledAndHitNormalsAgree) {
         Rng rng(4);
         for (int i = 0; i < 20; ++i) {
           const ShapeSample s = shape->sampleArea(rng.uniform2());
-          const Ray ray(s.p + s.n * (1e-3f * size), -s.n);
+          const Ray ray{s.p + s.n * (1e-3f * size), -s.n};
           const std::optional<ShapeHit> hit = shape->intersect(ray);
           if (!hit) continue;  // at an edge
           const SurfaceInteraction si = shape->interaction(ray, *hit);
@@ -231,7 +230,7 @@ TEST(Sphere, DirectionDensityIntegratesToOne) {
       double sum = 0, sum2 = 0;
       constexpr int kDirections = 60000;
       for (int i = 0; i < kDirections; ++i) {
-        const Ray ray(ref, sampleUniformSphere(rng.uniform2()));
+        const Ray ray{ref, sampleUniformSphere(rng.uniform2())};
         double value = 0;
         if (const auto hit = shape->intersect(ray)) {
           const SurfaceInteraction si = shape->interaction(ray, *hit);
@@ -285,7 +284,7 @@ TEST(Disk, ShinesTowardsPlusZ) {
   const auto shape = makeShape("disk", {floats("radius", {1})});
   EXPECT_EQ(shape->sampleArea({0.3f, 0.7f}).n, Vec3(0, 0, 1));
   for (const float from : {-1.f, 1.f}) {
-    const Ray ray({0.2f, 0.1f, from}, {0, 0, -from});
+    const Ray ray{{0.2f, 0.1f, from}, {0, 0, -from}};
     EXPECT_EQ(shape->interaction(ray, *shape->intersect(ray)).n, Vec3(0, 0, 1));
   }
 }
@@ -295,7 +294,7 @@ TEST(Quadric, PolesApexAndCentreHaveFiniteGeometry) {
     SCOPED_TRACE(plugin);
     const auto shape = makeShape(plugin, {});
     for (const float z : {5.f, -5.f}) {
-      const Ray ray({0, 0, z}, {0, 0, z > 0 ? -1.f : 1.f});
+      const Ray ray{{0, 0, z}, {0, 0, z > 0 ? -1.f : 1.f}};
       const std::optional<ShapeHit> hit = shape->intersect(ray);
       if (!hit) continue;  // a cone is open at its base, its apex a single point
       const SurfaceInteraction si = shape->interaction(ray, *hit);

@@ -59,7 +59,7 @@ void expectNoSelfIntersection(const Scene& scene, float time = 0) {
   for (int i = 0; i < 3000; ++i) {
     const Vec3 from = center + sampleUniformSphere(rng.uniform2()) * (size * (1 + rng.uniform()));
     const Vec3 to = randomPoint(rng, scene.bounds(), .3f);
-    const FootprintRay ray(Ray(from, normalize(to - from), kInfinity, time));
+    const FootprintRay ray(Ray{from, normalize(to - from), kInfinity, time});
     const auto si = scene.intersect(ray, stats);
     if (!si || isAtAnEdge(*scene.accelerator().intersect(ray))) continue;
     ++hits;
@@ -131,7 +131,7 @@ TEST(Scene, SpawnedRaysLeaveLargeTrianglesAndSlivers) {
     for (int k = 0; k < 20; ++k) {
       const float u = .2f + .3f * rng.uniform(), v = .2f + .2f * rng.uniform();
       const ShapeHit hit{1, u, v, 0};
-      const SurfaceInteraction si = scene.contents().shapes[0]->interaction(Ray(), hit);
+      const SurfaceInteraction si = scene.contents().shapes[0]->interaction(Ray{}, hit);
       const Vec3 w = sampleUniformSphere(rng.uniform2());
       if (absDot(w, si.n) < 1e-5f) continue;
       ++tested;
@@ -158,7 +158,7 @@ TEST(Scene, InstancedInteractionsEqualTransformedShapes) {
     for (int i = 0; i < 500; ++i) {
       const Vec3 from = randomPoint(rng, direct.bounds(), 3);
       const Vec3 d = normalize(randomPoint(rng, direct.bounds(), .5f) - from);
-      const FootprintRay ray(Ray(from, d, kInfinity, time));
+      const FootprintRay ray(Ray{from, d, kInfinity, time});
       const auto a = instanced.intersect(ray, stats), b = direct.intersect(ray, stats);
       ASSERT_EQ(a.has_value(), b.has_value());
       if (!a || std::abs(dot(b->n, d)) < 0.05f) continue;  // grazing hits differ by rounding
@@ -248,8 +248,8 @@ TEST(Scene, ShadowRaysToInfinityAndToNowhere) {
 TEST(Scene, CountsRaysAndBoundsAnEmptyScene) {
   const Scene scene{Scene::Contents()};
   Stats stats;
-  EXPECT_FALSE(scene.intersect(FootprintRay(Ray()), stats));
-  EXPECT_FALSE(scene.isOccluded(Ray(), stats));
+  EXPECT_FALSE(scene.intersect(FootprintRay(Ray{}), stats));
+  EXPECT_FALSE(scene.isOccluded(Ray{}, stats));
   EXPECT_EQ(stats[Stat::IntersectionRays], 1u);
   EXPECT_EQ(stats[Stat::ShadowRays], 1u);
   EXPECT_EQ(scene.bounds().radius(), 0);

@@ -37,10 +37,10 @@ TEST(SegmentLights, LooksWhereFlightsSeldomEnd) {
   const SegmentLights inThin(thin, .1), inThick(thick, .1);
   const auto looks = [](const Scene& scene, const SegmentLights& lights, const Ray& ray,
                         const Vec3& p) { return lights.looksAt(along(scene, ray), kEven, p); };
-  const Ray passing(Vec3(-20, 1, 0), Vec3(1, 0, 0));
+  const Ray passing{Vec3(-20, 1, 0), Vec3(1, 0, 0)};
   EXPECT_TRUE(looks(thin, inThin, passing, Vec3(0)));
   EXPECT_FALSE(looks(thick, inThick, passing, Vec3(0))) << "ten mean free paths away";
-  const Ray beside(Vec3(.05f, -.1f, 0), Vec3(0, 1, 0), .2f);
+  const Ray beside{Vec3(.05f, -.1f, 0), Vec3(0, 1, 0), .2f};
   EXPECT_TRUE(looks(thick, inThick, beside, Vec3(0))) << "a tenth of a mean free path away";
   // A light far from a medium shines on all of it: as if it were just outside.
   EXPECT_TRUE(looks(thin, inThin, passing, Vec3(1000, 0, 0)));
@@ -58,7 +58,7 @@ TEST(SegmentLights, DensityIsThatOfTheSamples) {
   for (int i = 0; i < 60; ++i) {
     const Vec3 from = Vec3(rng.uniform(), rng.uniform(), rng.uniform()) * 10.f - Vec3(5);
     const MediumAlongRay medium =
-        along(scene, Ray(from, test::randomDirection(rng), 1 + 6 * rng.uniform()));
+        along(scene, Ray{from, test::randomDirection(rng), 1 + 6 * rng.uniform()});
     if (medium.isEmpty()) continue;
     double integral = 0;
     SegmentLights::Chances chances;
@@ -95,7 +95,7 @@ TEST(SegmentLights, DensityIsThatOfTheSamples) {
 TEST(SegmentLights, NoLights) {
   const Scene scene = fogWithLights(1, {});
   const SegmentLights lights(scene, .1);
-  EXPECT_FALSE(lights.mayHelp(along(scene, Ray(Vec3(0), Vec3(1, 0, 0))), kEven));
+  EXPECT_FALSE(lights.mayHelp(along(scene, Ray{Vec3(0), Vec3(1, 0, 0)}), kEven));
 }
 
 }  // namespace

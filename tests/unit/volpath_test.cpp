@@ -170,7 +170,7 @@ TEST(VolPath, ComponentsArePartsOfTheWhole) {
     ComponentRadiance components;
     RenderContext context{stream, stats, &components};
     const FootprintRay ray(
-        Ray(Vec3(0, 1, 6), normalize(Vec3(rng.uniform() - .5f, rng.uniform() - .7f, -1))));
+        Ray{Vec3(0, 1, 6), normalize(Vec3(rng.uniform() - .5f, rng.uniform() - .7f, -1))});
     const Rgb L = rays.Li(ray, 0, context);
     // The same sums in another order.
     EXPECT_NEAR(components.total().g, L.g, 1e-5f * L.g);

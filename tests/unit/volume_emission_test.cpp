@@ -135,7 +135,7 @@ TEST(VolumeEmission, SecondMomentIsTheIntegralAlongTheRay) {
       const Vec3 through =
           box.lo + Vec3(rng.uniform(), rng.uniform(), rng.uniform()) * box.diagonal();
       const Vec3 d = test::randomDirection(rng);
-      const Ray ray(through - d * (3 * rng.uniform()), d);
+      const Ray ray{through - d * (3 * rng.uniform()), d};
       const auto range = c.volume->intersect(ray);
       if (!range) continue;
       const MediumAlongRay medium(*c.volume, ray, *range);

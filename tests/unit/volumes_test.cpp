@@ -183,7 +183,6 @@ TEST(VolumeGrid, VisitsOnlyOccupiedBlocks) {
 
 TEST(VolumeGrid, LoadsFastWithLittleMemory) {
   constexpr int n = 256;
-  Rng rng(5);
   std::vector<float> density(std::size_t(n) * n * n);
   for (std::size_t i = 0; i < density.size(); i += 7) density[i] = 1.f;
   const auto start = std::chrono::steady_clock::now();
