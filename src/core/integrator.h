@@ -28,6 +28,13 @@ struct RenderContext {
   ComponentRadiance* components = nullptr;
 };
 
+/// The image to come.
+struct ImageView {
+  const Camera& camera;
+  const Sampler& sampler;
+  Bounds2i pixels;
+};
+
 /// What an integrator may use before the first camera ray, to trace photons and build maps.
 struct PrepareContext {
   std::uint64_t seed = 0;
@@ -35,6 +42,7 @@ struct PrepareContext {
   const std::atomic<bool>& stop;  ///< set: leave off as soon as possible; no ray will be asked for
   Stats& stats;
   Log& log;
+  const ImageView* view = nullptr;  ///< null where nobody knows
 };
 
 /// What an integrator is made from, beside its parameters. The scene outlives it.

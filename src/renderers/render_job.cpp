@@ -269,7 +269,9 @@ RenderResult RenderJob::run(const std::atomic<bool>& stop,
   RenderLimits limits = p.limits();
   Stats stats;
   const auto start = std::chrono::steady_clock::now();
-  PrepareContext prepare{p.settings.seed, p.camera->shutter(), stop, stats, p.log};
+  // All of the image, so that crop windows of it have the same photons and fit together.
+  const ImageView view{*p.camera, *p.sampler, {Vec2i(0), p.film->resolution()}};
+  PrepareContext prepare{p.settings.seed, p.camera->shutter(), stop, stats, p.log, &view};
   if (p.global) p.global->prepare(prepare);
   if (p.surface) p.surface->prepare(prepare);
   limits.secondsSpent =

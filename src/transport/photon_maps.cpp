@@ -3,14 +3,20 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "core/log.h"
 #include "core/plan.h"
+#include "transport/photon_demand.h"
 
 namespace brume {
 namespace {
 
 /// Paths per photon asked for, where the pilot saw nearly none.
 constexpr std::uint64_t kShortagePaths = 4;
+
+/// Of either pilot that tells where light paths should start.
+constexpr std::uint64_t kSharesPaths = 10'000;
 
 /// Number of paths from which all classes of the group together store `photons`; none: the pilot
 /// saw next to nothing.
@@ -29,6 +35,27 @@ std::uint64_t countOf(const PhotonSet& set, PhotonClasses group) {
   std::uint64_t n = 0;
   for (const Photon& photon : set.photons) n += group.contains(photon.photonClass()) ? 1 : 0;
   return n;
+}
+
+/// Light paths start where the photons come from that the image will look up.
+void learnShares(PhotonTracer& tracer, PhotonClasses wanted, const Scene& scene,
+                 const PrepareContext& context) {
+  constexpr std::uint64_t kDemandPass = ~std::uint64_t{1}, kSharesPass = ~std::uint64_t{2};
+  if (!tracer.hasShares()) return;
+  PathsPerClass paths{};
+  for (std::size_t c = 0; c < kPhotonClasses; ++c)
+    if (wanted.contains(static_cast<PhotonClass>(c))) paths[c] = kSharesPaths;
+  const PhotonSet pilot =
+      tracer.trace(context.seed, kDemandPass, paths, context.stop, context.stats);
+  if (!pilot.isComplete) return;
+  const PhotonDemand demand(scene, *context.view, pilot.photons, context.seed, context.stats);
+  if (demand.isEmpty()) return;
+  const auto square = [&demand](std::span<const Photon> photons) {
+    return demand.squareOf(photons);
+  };
+  const auto shares = tracer.learnShares(context.seed, kSharesPass, kSharesPaths, square,
+                                         context.stop, context.stats);
+  if (shares) tracer.setShares(*shares);
 }
 
 }  // namespace
@@ -56,8 +83,9 @@ PhotonClasses showableClasses(const Scene& scene, const PhotonMapRequest& reques
 PhotonSet tracePhotons(const Scene& scene, const PhotonMapRequest& request,
                        const PrepareContext& context) {
   const PhotonClasses wanted = showableClasses(scene, request);
-  const PhotonTracer tracer(scene, {wanted, context.shutter, request.maxDepth});
+  PhotonTracer tracer(scene, {wanted, context.shutter, request.maxDepth});
   if (wanted.isEmpty() || !tracer.hasLights()) return {};
+  if (context.view) learnShares(tracer, wanted, scene, context);
 
   // What each class would need by itself, then what the classes of a group need together.
   const std::array<std::pair<PhotonClasses, std::uint64_t>, 2> groups{

@@ -21,7 +21,9 @@ struct PhotonMapRequest {
 /// scatter, no caustics without mirror or glass, none on surfaces that are all specular.
 PhotonClasses showableClasses(const Scene& scene, const PhotonMapRequest& request);
 
-/// Traces about the numbers asked for. Media and surfaces each have one number of light paths,
+/// Traces about the numbers asked for. Where there is a choice of lights, or of the parts of the
+/// scene that their paths are aimed at, pilots tell which of them make the noise of the image that
+/// `context` knows of (PhotonDemand). Media and surfaces each have one number of light paths,
 /// found by a pilot pass. Where the pilot meets next to nothing, as many paths as photons were
 /// asked for are traced, four times over, and the log is told of the shortage: the photons stay
 /// unbiased. Throws SceneError when unscattered light is left to photons and none is stored.

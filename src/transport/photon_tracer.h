@@ -78,6 +78,8 @@ class PhotonTracer {
   std::optional<std::vector<float>> learnShares(std::uint64_t seed, std::uint64_t pass,
                                                 std::uint64_t count, const SquareOfPath& square,
                                                 const std::atomic<bool>& stop, Stats& stats) const;
+  /// Whether there is something to learn.
+  bool hasShares() const { return sources_.count() > 1; }
   void setShares(std::span<const float> shares) { sources_.setShares(shares); }
 
  private:
