@@ -37,6 +37,13 @@ inline Lanes operator&(const Lanes& a, const Lanes& b) {
     return std::bit_cast<float>(std::bit_cast<std::uint32_t>(x) & std::bit_cast<std::uint32_t>(y));
   });
 }
+/// a in the lanes of a mask, b elsewhere.
+inline Lanes select(const Lanes& mask, const Lanes& a, const Lanes& b) {
+  Lanes r;
+  for (std::size_t i = 0; i < kLanes; ++i)
+    r.v[i] = std::bit_cast<std::uint32_t>(mask.v[i]) != 0 ? a.v[i] : b.v[i];
+  return r;
+}
 inline LaneMask bitsOf(const Lanes& mask) {
   LaneMask bits = 0;
   for (std::size_t i = 0; i < kLanes; ++i)
@@ -112,6 +119,9 @@ BRUME_AVX2 inline Lanes lessEqualMask(const Lanes& a, const Lanes& b) {
 }
 BRUME_AVX2 inline Lanes operator&(const Lanes& a, const Lanes& b) {
   return {_mm256_and_ps(a.v, b.v)};
+}
+BRUME_AVX2 inline Lanes select(const Lanes& mask, const Lanes& a, const Lanes& b) {
+  return {_mm256_blendv_ps(b.v, a.v, mask.v)};
 }
 BRUME_AVX2 inline LaneMask bitsOf(const Lanes& mask) {
   return static_cast<LaneMask>(_mm256_movemask_ps(mask.v));

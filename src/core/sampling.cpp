@@ -2,30 +2,13 @@
 #include "core/sampling.h"
 
 #include "core/error.h"
+#include "core/turns.h"
 
 namespace brume {
 
-namespace {
-
-/// cos and sin of an angle in [-pi/4, pi/4], each in error by less than 1e-7: Taylor's series,
-/// whose next terms are below 3e-8 there.
-Vec2 cosSinOfSmall(float x) {
-  const float x2 = x * x;
-  const float cosine =
-      1.f + x2 * (-1.f / 2 + x2 * (1.f / 24 + x2 * (-1.f / 720 + x2 * (1.f / 40320))));
-  const float sine =
-      x * (1.f + x2 * (-1.f / 6 + x2 * (1.f / 120 + x2 * (-1.f / 5040 + x2 * (1.f / 362880)))));
-  return {cosine, sine};
-}
-
-}  // namespace
-
 Vec2 cosSinOfTurns(float u) {
-  // The rest of whole quarters, which is exact, lies within an eighth.
-  const int quarters = static_cast<int>(4 * u + .5f);
-  const Vec2 cs = cosSinOfSmall(2 * kPi * (u - .25f * static_cast<float>(quarters)));
-  const Vec2 turned = quarters & 1 ? Vec2(-cs.y, cs.x) : cs;
-  return quarters & 2 ? -turned : turned;
+  const CosSin turn = cosSinOfTurn(u);
+  return {turn.cosine, turn.sine};
 }
 
 Vec2 sampleConcentricDisk(Vec2 u) {
@@ -34,8 +17,9 @@ Vec2 sampleConcentricDisk(Vec2 u) {
   // The angle from the nearer axis: the functions of a small angle do for the whole circle.
   const bool horizontal = std::abs(x) > std::abs(y);
   const float r = horizontal ? x : y;
-  const Vec2 cs = cosSinOfSmall((kPi / 4) * (horizontal ? y / x : x / y));
-  return horizontal ? Vec2(r * cs.x, r * cs.y) : Vec2(r * cs.y, r * cs.x);
+  const CosSin small = cosSinOfSmall((kPi / 4) * (horizontal ? y / x : x / y));
+  return horizontal ? Vec2(r * small.cosine, r * small.sine)
+                    : Vec2(r * small.sine, r * small.cosine);
 }
 
 Vec3 sampleCosineHemisphere(Vec2 u) {

@@ -2,8 +2,9 @@
 #include "transport/free_flight.h"
 
 #include <algorithm>
+#include <bit>
 
-#include "core/rng.h"
+#include "core/lanes_math.h"
 
 namespace brume {
 
@@ -89,6 +90,13 @@ FreeFlight sampleFreeFlight(const Volume& volume, const Ray& ray, Interval range
   return flight;
 }
 
+namespace {
+
+#define BRUME_KERNELS "transport/free_flight.inl"
+#include "core/both_lanes.inl"
+
+}  // namespace
+
 std::optional<UniformFlights> UniformFlights::through(const Volume& volume) {
   const auto medium = volume.uniform();
   std::vector<MediumBox> boxes;
@@ -98,83 +106,33 @@ std::optional<UniformFlights> UniformFlights::through(const Volume& volume) {
 }
 
 UniformFlights::UniformFlights(const UniformMedium& medium, const MediumBox& box)
-    : medium_(medium), sigma_t_(medium.coefficients.sigma_t()), isGrey_(isGrey(sigma_t_)) {
+    : medium_(medium) {
+  box_.sigma_t = medium.coefficients.sigma_t();
+  box_.excess = box_.sigma_t - Rgb(box_.sigma_t.minChannel());
+  box_.isGrey = isGrey(box_.sigma_t);
   for (int c = 0; c < 3; ++c)
-    perSigma_[c] = sigma_t_[c] > 0 ? 1 / double{sigma_t_[c]} : double{kInfinity};
-  excess_ = sigma_t_ - Rgb(sigma_t_.minChannel());
+    box_.perSigma[c] = box_.sigma_t[c] > 0 ? 1 / double{box_.sigma_t[c]} : double{kInfinity};
   for (std::size_t a = 0; a < 3; ++a) {
-    axes_[a] = box.normal[2 * a + 1];
-    lo_[a] = -box.offset[2 * a];
-    hi_[a] = box.offset[2 * a + 1];
+    box_.axes[a] = box.normal[2 * a + 1];
+    box_.lo[a] = -box.offset[2 * a];
+    box_.hi[a] = box.offset[2 * a + 1];
   }
 }
 
-bool UniformFlights::contains(const Vec3d& p) const {
-  bool isInside = true;
-  for (std::size_t a = 0; a < 3; ++a) {
-    const double place = dot(axes_[a], p);
-    isInside = isInside && place >= lo_[a] && place <= hi_[a];
-  }
-  return isInside;
+void UniformFlights::sample(PathWave& wave) const {
+  hasAvx2() ? avx2::fly(box_, wave) : generic::fly(box_, wave);
 }
 
-/// Rays in the plane of a face are inside.
-std::optional<Interval> UniformFlights::clip(const Ray& ray) const {
-  const Vec3d o(ray.o), d(ray.d);
-  double t0 = 0, t1 = double{kInfinity};
-  for (std::size_t a = 0; a < 3; ++a) {
-    const double place = dot(axes_[a], o), inverse = 1 / dot(axes_[a], d);
-    if (!std::isfinite(inverse)) {
-      if (!(place >= lo_[a] && place <= hi_[a])) return std::nullopt;
-      continue;
-    }
-    const double tLo = (lo_[a] - place) * inverse, tHi = (hi_[a] - place) * inverse;
-    t0 = std::max(t0, std::min(tLo, tHi));
-    t1 = std::min(t1, std::max(tLo, tHi));
-  }
-  if (!(t0 < t1)) return std::nullopt;
-  return Interval{static_cast<float>(t0), static_cast<float>(t1)};
+void UniformFlights::weighCollisions(PathWave& wave) const {
+  if (box_.isGrey) return;
+  hasAvx2() ? avx2::weighCollisions(box_, wave) : generic::weighCollisions(box_, wave);
 }
 
-std::optional<UniformFlights::Flight> UniformFlights::sample(const Ray& ray, Start start,
-                                                             const Rgb& power, Vec2 u) const {
-  Flight flight;
-  if (start == Start::Anywhere) {
-    const auto range = clip(ray);
-    if (!range) return std::nullopt;
-    flight.range = *range;
-  }
-  if (!isGrey_) flight.channels = flightChannels(power);
-  const DrawnDepth drawn = isGrey_ ? DrawnDepth(u.x, u.y) : DrawnDepth(flight.channels, u.x, u.y);
-  const double t = double{flight.range.t0} + drawn.depth * perSigma_[drawn.channel];
-  if (start == Start::Anywhere) {
-    flight.collides = t <= double{flight.range.t1};
-  } else {
-    // Where it collides shows whether it does: the end of the medium is rarely asked for.
-    flight.collides = t < double{kInfinity} && contains(Vec3d(ray.o) + t * Vec3d(ray.d));
-    if (!flight.collides && !isGrey_) flight.range = clip(ray).value_or(Interval{});
-  }
-  if (flight.collides) flight.range.t1 = static_cast<float>(t);
-  return flight;
-}
-
-/// Transmittance over that of the least channel: weights need no more, and it does not vanish.
-Rgb UniformFlights::relativeTr(float way) const {
-  Rgb Tr(1);
-  for (int c = 0; c < 3; ++c)
-    if (excess_[c] > 0) Tr[c] = std::exp(-excess_[c] * way);
-  return Tr;
-}
-
-Rgb UniformFlights::weightAtCollision(const Flight& flight) const {
-  if (isGrey_) return Rgb(1);
-  return flightWeight(sigma_t_ * relativeTr(flight.range.length()), flight.channels);
-}
-
-Rgb UniformFlights::weightAt(const Flight& flight, float t) const {
-  if (isGrey_) return Rgb(1);
-  const float way = std::max(0.f, std::min(t, flight.range.t1) - flight.range.t0);
-  return flightWeight(relativeTr(way), flight.channels);
+Rgb UniformFlights::weightAt(float t, const PathWave& wave, std::size_t path) const {
+  const float way = std::min(t, wave.mediaTo[path]) - wave.mediaFrom[path];
+  if (box_.isGrey || !(way > 0)) return Rgb(1);
+  // Transmittance over that of the least channel: weights need no more, and it does not vanish.
+  return flightWeight(exp(-box_.excess * way), wave.channels[path]);
 }
 
 }  // namespace brume

@@ -2,7 +2,10 @@
 // Free flights through media: where the next collision happens.
 #pragma once
 
+#include <array>
+
 #include "core/medium_along_ray.h"
+#include "transport/path_wave.h"
 
 namespace brume {
 
@@ -31,38 +34,35 @@ FreeFlight sampleFreeFlight(const MediumAlongRay& medium, const Rgb& channels, f
 FreeFlight sampleFreeFlight(const Volume& volume, const Ray& ray, Interval range,
                             const Rgb& channels, float uChannel, float uDepth);
 
-/// The same through a uniform medium in a box, whose ends are looked for only when they are needed.
+/// The same through a uniform medium in a box, of many paths at once.
 class UniformFlights {
  public:
   /// None: the volume is something else.
   static std::optional<UniformFlights> through(const Volume& volume);
 
   const MediumCoefficients& coefficients() const { return medium_.coefficients; }
-  struct Flight {
-    Interval range;  ///< to the collision, or to the end of the medium
-    bool collides = false;
-    Rgb channels;
+  /// Flies as if there were no surfaces, by the numbers uChannel, uDepth: sets t, mediaFrom,
+  /// mediaTo and channels.
+  void sample(PathWave& wave) const;
+  /// Multiplies the powers of the paths that collide by the weights of their flights.
+  void weighCollisions(PathWave& wave) const;
+  /// Weight of a flight that was to go farther but ends at t, or leaves the medium before.
+  Rgb weightAt(float t, const PathWave& wave, std::size_t path) const;
+
+  /// What the loops over paths need.
+  struct Box {
+    Rgb sigma_t, excess;  ///< excess: over the least channel
+    bool isGrey = true;
+    Vec3d perSigma{0};  ///< 1 / sigma_t
+    std::array<Vec3d, 3> axes;
+    std::array<double, 3> lo, hi;  ///< of dot(axis, p)
   };
-  enum class Start { Anywhere, InMedium };
-  /// None: the ray, whose end does not matter, misses the medium. `power` is what it carries.
-  std::optional<Flight> sample(const Ray& ray, Start start, const Rgb& power, Vec2 u) const;
-  /// Weight of a flight that ends in its collision, or goes on to t, or leaves the medium before.
-  Rgb weightAtCollision(const Flight& flight) const;
-  Rgb weightAt(const Flight& flight, float t) const;
 
  private:
   UniformFlights(const UniformMedium& medium, const MediumBox& box);
-  bool contains(const Vec3d& p) const;
-  Rgb relativeTr(float way) const;
-  std::optional<Interval> clip(const Ray& ray) const;
 
   UniformMedium medium_;
-  Rgb sigma_t_;
-  bool isGrey_;
-  Vec3d perSigma_;  // 1 / sigma_t
-  Rgb excess_;      // sigma_t over that of the least channel
-  std::array<Vec3d, 3> axes_;
-  std::array<double, 3> lo_, hi_;  // of dot(axis, p)
+  Box box_;
 };
 
 }  // namespace brume

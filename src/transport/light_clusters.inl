@@ -2,10 +2,6 @@
 // What a point and a stretch of a ray see of eight clusters of lights (light_tree.h). Included once
 // for each kind of lanes.
 
-inline BRUME_KERNEL Lanes select(const Lanes& mask, const Lanes& a, const Lanes& b) {
-  return b + ((a - b) & mask);
-}
-
 /// Angles in [0, pi] by their cosines and sines.
 struct Angles {
   Lanes cos, sin;

@@ -48,8 +48,10 @@ class PathRandom {
     if (dimension_ >= PassRandom::kStratified) return rng_.uniform();
     return points_.x[dimension_++];
   }
-  /// Numbers beyond the stratified ones.
-  Rng& hashed() { return rng_; }
+  /// What the numbers beyond the stratified ones are hashed from.
+  std::uint64_t key() const { return rng_.key(); }
+  /// Any number of numbers that are none of those above.
+  Rng apart() const { return Rng(rng_.key(), std::uint64_t{1} << 48); }
 
  private:
   const PassRandom::Points& points_;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "transport/photon.h"
 
+#include "transport/octahedron.h"
+
 namespace brume {
 namespace {
 
@@ -12,14 +14,6 @@ constexpr std::string_view kClassTexts[kPhotonClasses] = {
     "of caustics in the media",
     "of multiply scattered light in the media"};
 
-/// A unit vector on the octahedron |x| + |y| + |z| = 1, its lower half folded out: [-1, 1]^2.
-Vec2 toOctahedron(const Vec3& v) {
-  const float scale = 1 / (std::abs(v.x) + std::abs(v.y) + std::abs(v.z));
-  const Vec2 p(v.x * scale, v.y * scale);
-  if (v.z >= 0) return p;
-  return {std::copysign(1 - std::abs(p.y), p.x), std::copysign(1 - std::abs(p.x), p.y)};
-}
-
 Vec3 fromOctahedron(const Vec2& p) {
   Vec3 v(p.x, p.y, 1 - std::abs(p.x) - std::abs(p.y));
   if (v.z < 0) {
@@ -29,13 +23,6 @@ Vec3 fromOctahedron(const Vec2& p) {
   return normalize(v);
 }
 
-/// [-1, 1] to an even number of steps, so that 0 and +-1 are exact.
-template <int kBits>
-std::uint32_t quantise(float x) {
-  constexpr float kHalf = static_cast<float>((1 << (kBits - 1)) - 1);
-  return static_cast<std::uint32_t>(
-      static_cast<std::int32_t>((std::clamp(x, -1.f, 1.f) + 1) * kHalf + 0.5f));
-}
 template <int kBits>
 float dequantise(std::uint32_t q) {
   constexpr float kHalf = static_cast<float>((1 << (kBits - 1)) - 1);
@@ -46,10 +33,8 @@ float dequantise(std::uint32_t q) {
 
 std::string_view describe(PhotonClass c) { return kClassTexts[static_cast<std::size_t>(c)]; }
 
-PackedDirection::PackedDirection(const Vec3& unit) {
-  const Vec2 p = toOctahedron(unit);
-  bits_ = quantise<16>(p.x) | quantise<16>(p.y) << 16;
-}
+PackedDirection::PackedDirection(const Vec3& unit)
+    : bits_(packOctahedron<16>(unit.x, unit.y, unit.z)) {}
 
 Vec3 PackedDirection::unpack() const {
   return fromOctahedron({dequantise<16>(bits_), dequantise<16>(bits_ >> 16)});
@@ -65,9 +50,8 @@ Photon Photon::inMedium(const Vec3& p, const Vec3& wi, const Rgb& power, PhotonC
 
 Photon Photon::onSurface(const Vec3& p, const Vec3& wi, const Vec3& n, const Rgb& power,
                          PhotonClass c) {
-  const Vec2 o = toOctahedron(n);
   return {p, power, PackedDirection(wi),
-          static_cast<std::uint32_t>(c) | quantise<12>(o.x) << 8 | quantise<12>(o.y) << 20};
+          static_cast<std::uint32_t>(c) | packOctahedron<12>(n.x, n.y, n.z) << 8};
 }
 
 }  // namespace brume

@@ -87,16 +87,18 @@ std::optional<PhotonStart> PhotonSources::sample(PathRandom& random) const {
   std::optional<PhotonStart> start;
   if (!source.light) {
     start = sampleMedia(random, sampleUniformSphere(u.direction));
-  } else if (const auto e = source.light->sampleEmission(balls_[source.ball], u)) {
+    if (!start) return start;
+  } else {
+    const auto e = source.light->sampleEmission(balls_[source.ball], u);
+    if (!e) return start;
     for (std::size_t i = source.first; i < source.ball; ++i)
-      if (meets(balls_[i], *e)) return std::nullopt;
-    if (source.ball + 1 == balls_.size() || meets(balls_[source.ball], *e))
-      start = PhotonStart{e->o, e->d, e->power};
+      if (meets(balls_[i], *e)) return start;
+    if (source.ball + 1 != balls_.size() && !meets(balls_[source.ball], *e)) return start;
+    start.emplace(PhotonStart{e->o, e->d, e->power});
   }
-  if (!start) return std::nullopt;
   start->power /= choice_.probability(chosen);
   start->usualPower = source.usualShare * largestChannel(start->power);
-  if (!(start->usualPower > 0) || !start->power.isFinite()) return std::nullopt;
+  if (!(start->usualPower > 0) || !start->power.isFinite()) start.reset();
   return start;
 }
 
@@ -117,7 +119,8 @@ void PhotonSources::setShares(std::span<const float> shares) {
 /// A point by the luminance of Le: alpha = 4 pi Le(p) / pdf(p).
 std::optional<PhotonStart> PhotonSources::sampleMedia(PathRandom& random,
                                                       const Vec3& direction) const {
-  const Vec3 p = volume_->sampleEmission(random.hashed());
+  Rng apart = random.apart();
+  const Vec3 p = volume_->sampleEmission(apart);
   const Rgb Le = volume_->at(p).Le;
   if (!(lightWeight(Le) > 0)) return std::nullopt;
   return PhotonStart{p, direction,

@@ -3,7 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <bit>
 #include <numeric>
+#include <utility>
 
 #include "core/bsdf.h"
 #include "core/error.h"
@@ -16,7 +18,7 @@ namespace brume {
 namespace {
 
 /// Paths of one chunk of work.
-constexpr std::int64_t kChunk = 1024;
+constexpr auto kChunk = static_cast<std::int64_t>(PathWave::kSize);
 /// Scatterings after which every path meets roulette: without absorption, in a closed scene,
 /// nothing else would end it.
 constexpr int kLongPath = 10'000;
@@ -25,66 +27,69 @@ constexpr float kLongPathSurvival = 0.99f;
 /// learnShares: paths of the mean in every source, and the part of the paths that is not moved.
 constexpr double kPriorPaths = 16, kKeptShare = 0.1;
 
-/// What a path has met so far.
-enum class Stage { Direct, Specular, Scattered };
+/// What a path may still store: before anything is met, after specular surfaces alone, after all
+/// else. The first class on surfaces, or in media, is that of its next photon there.
+constexpr PhotonClasses kAfterScattering =
+    PhotonClass::SurfaceIndirect | PhotonClass::VolumeMultiple;
+constexpr PhotonClasses kAfterSpecular =
+    PhotonClass::SurfaceCaustic | PhotonClass::VolumeCaustic | kAfterScattering;
+constexpr PhotonClasses kFromLight = kSurfacePhotons | kVolumePhotons;
 
-/// The classes that a path may still store.
-PhotonClasses reachable(Stage stage) {
-  constexpr PhotonClasses kIndirect = PhotonClass::SurfaceIndirect | PhotonClass::VolumeMultiple;
-  constexpr PhotonClasses kCaustic = PhotonClass::SurfaceCaustic | PhotonClass::VolumeCaustic;
-  switch (stage) {
-    case Stage::Direct:
-      return kSurfacePhotons | kVolumePhotons;
-    case Stage::Specular:
-      return kCaustic | kIndirect;
-    case Stage::Scattered:
-      break;
-  }
-  return kIndirect;
+PhotonClass nextClass(std::uint32_t canStore, PhotonClasses where) {
+  return static_cast<PhotonClass>(std::countr_zero(canStore & where.bits()));
 }
 
-PhotonClass surfaceClass(Stage stage) {
-  return stage == Stage::Direct     ? PhotonClass::SurfaceDirect
-         : stage == Stage::Specular ? PhotonClass::SurfaceCaustic
-                                    : PhotonClass::SurfaceIndirect;
-}
-PhotonClass volumeClass(Stage stage) {
-  return stage == Stage::Direct     ? PhotonClass::VolumeUnscattered
-         : stage == Stage::Specular ? PhotonClass::VolumeCaustic
-                                    : PhotonClass::VolumeMultiple;
-}
+/// The largest probability to survive a path's next scattering.
+float mostSurvivors(int scatterings) { return scatterings + 1 < kLongPath ? 1 : kLongPathSurvival; }
+
+constexpr Bounds3 kEverywhere{Vec3(-kInfinity), Vec3(kInfinity)};
 
 }  // namespace
 
-struct PhotonTracer::Path {
-  Ray ray;
-  Rgb power;
-  float usualPower = 0;
-  Stage stage = Stage::Direct;
-  int scatterings = 0;
-  UniformFlights::Start start = UniformFlights::Start::Anywhere;
-  std::optional<float> collision;  // distance along the ray, if that is how far it gets
-
-  /// Roulette: goes on with `next`, the expected power, or ends. The survivors have the usual power
-  /// at least.
-  bool survives(const Rgb& next, float u) {
-    float survival = std::min(1.f, largestChannel(next) / usualPower);
-    if (scatterings >= kLongPath) survival = std::min(survival, kLongPathSurvival);
-    if (!(survival > 0) || u >= survival) return false;
-    power = survival < 1 ? next / survival : next;
-    return true;
+/// The photons of one wave's paths, in the order in which they are left.
+class PhotonTracer::Deposits {
+ public:
+  void clear() {
+    photons_.clear();
+    paths_.clear();
+    ends_.fill(0);
   }
+  void add(std::uint32_t path, const Photon& photon) {
+    photons_.push_back(photon);
+    paths_.push_back(path);
+    ++ends_[path];
+  }
+
+  /// The photons in the order of their paths, those of one path in their order.
+  void sortInto(std::vector<Photon>& sorted) {
+    std::uint32_t sum = 0;
+    for (std::uint32_t& end : ends_) sum += std::exchange(end, sum);
+    sorted.resize(photons_.size());
+    for (std::size_t i = 0; i < photons_.size(); ++i) sorted[ends_[paths_[i]]++] = photons_[i];
+  }
+  /// Among the sorted ones.
+  std::span<const Photon> photonsOf(std::size_t path, const std::vector<Photon>& sorted) const {
+    const std::uint32_t begin = path > 0 ? ends_[path - 1] : 0;
+    return {sorted.data() + begin, ends_[path] - begin};
+  }
+
+ private:
+  std::vector<Photon> photons_;
+  std::vector<std::uint32_t> paths_;
+  PathWave::Words ends_{};  // counts, until they are sorted
 };
 
 PhotonTracer::PhotonTracer(const Scene& scene, const PhotonRequest& request)
     : scene_(scene),
       request_(request),
+      surfaces_(scene.accelerator().bounds()),
       uniform_(scene.volume() ? UniformFlights::through(*scene.volume()) : std::nullopt),
       media_(mediaToAimAt()),
       sources_(scene,
                {media_, !(request.wanted & kSurfacePhotons).isEmpty(), !request.passiveMedia}) {
   if (!scene.volume()) return;
   if (const MediumCoefficients* all = scene.volume()->proportions()) albedo_ = albedoOf(*all);
+  henyeyGreenstein_ = scene.volume()->henyeyGreenstein();
 }
 
 Ball PhotonTracer::mediaToAimAt() const {
@@ -93,50 +98,120 @@ Ball PhotonTracer::mediaToAimAt() const {
   return ballAround(volume->bounds());
 }
 
-bool PhotonTracer::emit(PathRandom& random, Path& path) const {
+/// Adds a path to the wave, unless it carries nothing.
+void PhotonTracer::emit(PathRandom& random, PathWave& wave) const {
   const auto start = sources_.sample(random);
   const float time = lerp(request_.shutter.t0, request_.shutter.t1, random.get1D());
-  if (!start) return false;
-  path.ray = Ray{start->o, start->d, kInfinity, time};
-  path.power = start->power;
-  path.usualPower = start->usualPower;
-  if (start->isInMedium) {
-    path.stage = Stage::Scattered;
-    path.start = UniformFlights::Start::InMedium;
+  if (!start) return;
+  const std::size_t i = wave.count++;
+  wave.o.set(i, start->o);
+  wave.d.set(i, start->d);
+  wave.time[i] = time;
+  wave.power.set(i, start->power);
+  wave.usualPower[i] = start->usualPower;
+  wave.canStore[i] = (start->isInMedium ? kAfterScattering : kFromLight).bits();
+  wave.isInMedium[i] = start->isInMedium ? 1 : 0;
+  // The first flight and scattering are stratified, too.
+  const Vec2 flight = random.get2D();
+  wave.uChannel[i] = flight.x, wave.uDepth[i] = flight.y;
+  wave.u1[i] = random.get1D();
+  wave.u2[i] = random.get1D();
+  const Vec2 direction = random.get2D();
+  wave.ux[i] = direction.x, wave.uy[i] = direction.y;
+  wave.keyLow[i] = static_cast<std::uint32_t>(random.key());
+  wave.keyHigh[i] = static_cast<std::uint32_t>(random.key() >> 32);
+  wave.isAlive[i] = 1;
+}
+
+/// To the next surface, or to a collision before it, or out of the scene.
+std::optional<SurfaceInteraction> PhotonTracer::fly(PathWave& wave, std::size_t i,
+                                                    Stats& stats) const {
+  Ray ray{wave.o[i], wave.d[i], kInfinity, wave.time[i]};
+  auto hit = scene_.intersect(FootprintRay(ray), stats);
+  wave.t[i] = kInfinity;
+  const Volume* volume = scene_.volume();
+  if (!volume) return hit;
+  if (hit) ray.tMax = distance(ray.o, hit->p);
+  const auto range = volume->intersect(ray);
+  if (!range) return hit;
+  const Rgb power = wave.power[i], channels = flightChannels(power);
+  FreeFlight flight;
+  if (volume->proportions() != nullptr) {
+    flight = sampleFreeFlight(*volume, ray, *range, channels, wave.uChannel[i], wave.uDepth[i]);
+  } else {
+    thread_local MediumAlongRay medium;  // reused, so that its memory is
+    medium.assign(*volume, ray, *range);
+    flight = sampleFreeFlight(medium, channels, wave.uChannel[i], wave.uDepth[i]);
+    if (flight.t) wave.albedo.set(i, albedoOf(medium.at(*flight.t)));
   }
-  return true;
+  wave.power.set(i, power * flight.weight);
+  if (flight.t) wave.t[i] = *flight.t;
+  return hit;
+}
+
+/// Surfaces are looked for where the flight gets, no farther.
+std::optional<SurfaceInteraction> PhotonTracer::endUniformFlight(PathWave& wave, std::size_t i,
+                                                                 Stats& stats) const {
+  if (!wave.mayMeetSurface[i]) return std::nullopt;
+  const Ray ray{wave.o[i], wave.d[i], wave.t[i], wave.time[i]};
+  auto hit = scene_.intersect(FootprintRay(ray), stats);
+  if (!hit) return hit;
+  wave.t[i] = kInfinity;
+  wave.power.set(i, wave.power[i] * uniform_->weightAt(distance(ray.o, hit->p), wave, i));
+  return hit;
+}
+
+void PhotonTracer::depositInMedia(const PathWave& wave, Deposits& deposits) const {
+  for (std::size_t i = 0; i < wave.count; ++i) {
+    const PhotonClass c = nextClass(wave.canStore[i], kVolumePhotons);
+    if (!wave.collides(i) || !PhotonClasses::fromBits(wave.wanted[i]).contains(c)) continue;
+    const Rgb power = wave.power[i];
+    if (largestChannel(power) > 0)
+      deposits.add(wave.path[i], {wave.p[i], power, PackedDirection::fromBits(wave.wi[i]),
+                                  static_cast<std::uint32_t>(c)});
+  }
 }
 
 /// Absorbed, or scattered into a direction of the phase function.
-bool PhotonTracer::scatterInMedium(Path& path, const Rgb& albedo, PathRandom& random) const {
-  const float uSurvival = random.get1D(), uLobe = random.get1D();
-  const Vec2 u = random.get2D();
-  ++path.scatterings;
-  if (!path.survives(path.power * albedo, uSurvival)) return false;
-  const Vec3 p = path.ray(*path.collision);
-  const ScatterSample sample = scene_.volume()->samplePhase(p, -path.ray.d, path.power, uLobe, u);
-  if (!(sample.pdf > 0)) return false;
-  path.power *= sample.value / sample.pdf;
-  path.ray = Ray{p, sample.wi, kInfinity, path.ray.time};
-  path.stage = Stage::Scattered;
-  path.start = UniformFlights::Start::InMedium;
-  return true;
+void PhotonTracer::scatterInMedia(int scatterings, PathWave& wave) const {
+  const bool ends = !mayScatter(scatterings) || request_.passiveMedia;
+  rouletteInMedia(ends ? 0.f : mostSurvivors(scatterings), wave);
+  if (ends) return;
+  if (henyeyGreenstein_) {
+    brume::scatterInMedia(*henyeyGreenstein_, kAfterScattering.bits(), wave);
+    return;
+  }
+  for (std::size_t i = 0; i < wave.count; ++i) {
+    if (!wave.collides(i) || !(wave.isAlive[i] > 0)) continue;
+    const Vec3 p = wave.p[i];
+    const Rgb power = wave.power[i];
+    const ScatterSample sample =
+        scene_.volume()->samplePhase(p, -wave.d[i], power, wave.u2[i], {wave.ux[i], wave.uy[i]});
+    wave.isAlive[i] = sample.pdf > 0 ? 1.f : 0.f;
+    if (!(sample.pdf > 0)) continue;
+    wave.power.set(i, power * (sample.value / sample.pdf));
+    wave.o.set(i, p);
+    wave.d.set(i, sample.wi);
+    wave.isInMedium[i] = 1;
+    wave.canStore[i] = kAfterScattering.bits();
+  }
 }
 
 /// Stores a photon on all but mirrors and glass, then goes on by the BSDF.
-bool PhotonTracer::scatterAtSurface(Path& path, const SurfaceInteraction& at, PhotonClasses wanted,
-                                    std::vector<Photon>& photons, PathRandom& random) const {
+bool PhotonTracer::scatterAtSurface(PathWave& wave, std::size_t i, const SurfaceInteraction& at,
+                                    int scatterings, Deposits& deposits) const {
   Bsdf bsdf;
   at.material->evaluate(at, bsdf);
-  const PhotonClass c = surfaceClass(path.stage);
+  const auto wanted = PhotonClasses::fromBits(wave.wanted[i]);
+  const Rgb power = wave.power[i];
+  const PhotonClass c = nextClass(wave.canStore[i], kSurfacePhotons);
   if (wanted.contains(c) && !bsdf.isSpecularOnly())
-    photons.push_back(Photon::onSurface(at.p, at.wo, at.n, path.power, c));
+    deposits.add(wave.path[i], Photon::onSurface(at.p, at.wo, at.n, power, c));
+  if (!mayScatter(scatterings)) return false;
 
-  const float uLobe = random.get1D(), uSurvival = random.get1D();
-  const Vec2 u = random.get2D();
-  ++path.scatterings;
-  const bool wantsMedia = !(reachable(Stage::Scattered) & wanted & kVolumePhotons).isEmpty();
-  const auto sample = sampleTowards(bsdf, at, wantsMedia ? media_ : Ball{}, uLobe, u);
+  const bool wantsMedia = wanted.contains(PhotonClass::VolumeMultiple);
+  const auto sample =
+      sampleTowards(bsdf, at, wantsMedia ? media_ : Ball{}, wave.u1[i], {wave.ux[i], wave.uy[i]});
   if (!sample || !(sample->pdf > 0)) return false;
 
   // Light travels from wi = at.wo to the sampled direction; the BSDF is symmetric.
@@ -145,91 +220,52 @@ bool PhotonTracer::scatterAtSurface(Path& path, const SurfaceInteraction& at, Ph
   if (!(in > 0) || !(out > 0)) return false;
   // Radiance is not scaled by eta^2 where it is refracted (PBRT-v2), so the power is.
   const float weight = inShading * out / in * sqr(sample->eta) / sample->pdf;
-  if (!path.survives(path.power * sample->f * weight, uSurvival)) return false;
-  path.ray = at.spawnRay(sample->wi);
-  path.start = UniformFlights::Start::Anywhere;
-  if (!sample->isSpecular())
-    path.stage = Stage::Scattered;
-  else if (path.stage == Stage::Direct)
-    path.stage = Stage::Specular;
+  const Rgb next = power * sample->f * weight;
+  const float survival =
+      std::min(mostSurvivors(scatterings), largestChannel(next) / wave.usualPower[i]);
+  if (!(survival > 0) || wave.u2[i] >= survival) return false;
+  wave.power.set(i, next / survival);
+  wave.o.set(i, at.offsetOrigin(sample->wi));
+  wave.d.set(i, sample->wi);
+  wave.isInMedium[i] = 0;
+  wave.canStore[i] &= (sample->isSpecular() ? kAfterSpecular : kAfterScattering).bits();
   return true;
 }
 
-std::optional<SurfaceInteraction> PhotonTracer::nextSurface(const Path& path, Stats& stats) const {
-  return scene_.intersect(FootprintRay(path.ray), stats);
-}
-
-/// To the next surface, or to a collision before it, or out of the scene.
-std::optional<SurfaceInteraction> PhotonTracer::fly(Path& path, MediumAlongRay& medium, Vec2 u,
-                                                    Stats& stats) const {
-  path.collision.reset();
-  if (uniform_) return flyThroughUniform(path, u, stats);
-  auto hit = nextSurface(path, stats);
-  const Volume* volume = scene_.volume();
-  if (!volume) return hit;
-  if (hit) path.ray.tMax = distance(path.ray.o, hit->p);
-  const auto range = volume->intersect(path.ray);
-  if (!range) return hit;
-  const Rgb channels = flightChannels(path.power);
-  FreeFlight flight;
-  if (volume->proportions() != nullptr) {
-    flight = sampleFreeFlight(*volume, path.ray, *range, channels, u.x, u.y);
-  } else {
-    medium.assign(*volume, path.ray, *range);
-    flight = sampleFreeFlight(medium, channels, u.x, u.y);
+/// The segments' ends on surfaces; collisions are left for later.
+void PhotonTracer::meetSurfaces(int scatterings, PathWave& wave, Deposits& deposits,
+                                Stats& stats) const {
+  for (std::size_t i = 0; i < wave.count; ++i) {
+    const auto hit = uniform_ ? endUniformFlight(wave, i, stats) : fly(wave, i, stats);
+    if (wave.collides(i)) continue;
+    const bool goesOn = hit && largestChannel(wave.power[i]) > 0 &&
+                        scatterAtSurface(wave, i, *hit, scatterings, deposits);
+    wave.isAlive[i] = goesOn ? 1.f : 0.f;
   }
-  path.collision = flight.t;
-  path.power *= flight.weight;
-  return hit;
 }
 
-/// The flight first: surfaces behind its end need not be found.
-std::optional<SurfaceInteraction> PhotonTracer::flyThroughUniform(Path& path, Vec2 u,
-                                                                  Stats& stats) const {
-  const auto flight = uniform_->sample(path.ray, path.start, path.power, u);
-  if (!flight) return nextSurface(path, stats);
-  if (flight->collides) path.ray.tMax = flight->range.t1;
-  auto hit = nextSurface(path, stats);
-  if (flight->collides && !hit) {
-    path.collision = flight->range.t1;
-    path.power *= uniform_->weightAtCollision(*flight);
-  } else {
-    path.power *= uniform_->weightAt(*flight, hit ? distance(path.ray.o, hit->p) : kInfinity);
-  }
-  return hit;
-}
+/// All segments of the paths of a wave, which holds their starts; counts them for each.
+void PhotonTracer::traceWave(PathWave& wave, Deposits& deposits, Stats& stats,
+                             PathWave::Words* segments) const {
+  for (int scatterings = 0;; ++scatterings) {
+    dropEnded(wave);
+    if (wave.count == 0) return;
+    stats.add(Stat::PhotonSegments, wave.count);
+    if (segments)
+      for (std::size_t i = 0; i < wave.count; ++i) ++(*segments)[wave.path[i]];
 
-Rgb PhotonTracer::albedoAt(float t, const MediumAlongRay& medium) const {
-  return albedo_ ? *albedo_ : albedoOf(medium.at(t));
-}
-
-void PhotonTracer::tracePath(PathRandom random, PhotonClasses wanted, std::vector<Photon>& photons,
-                             Stats& stats) const {
-  stats.add(Stat::PhotonPaths);
-  Path path;
-  if (!emit(random, path)) return;
-  thread_local MediumAlongRay medium;  // reused, so that its memory is
-  while (!(reachable(path.stage) & wanted).isEmpty()) {
-    stats.add(Stat::PhotonSegments);
-    // The numbers of a free flight are drawn in any case, so that later ones keep their dimension.
-    const Vec2 u = random.get2D();
-    const std::optional<SurfaceInteraction> hit = fly(path, medium, u, stats);
-    if (!(largestChannel(path.power) > 0)) return;
-
-    const bool mayScatter = !request_.maxDepth || path.scatterings < *request_.maxDepth;
-    if (path.collision) {
-      const float t = *path.collision;
-      const PhotonClass c = volumeClass(path.stage);
-      if (wanted.contains(c))
-        photons.push_back(Photon::inMedium(path.ray(t), -path.ray.d, path.power, c));
-      if (!mayScatter || request_.passiveMedia) return;
-      if (!scatterInMedium(path, albedoAt(t, medium), random)) return;
-    } else if (hit) {
-      if (!mayScatter) wanted = wanted & kSurfacePhotons;
-      if (!scatterAtSurface(path, *hit, wanted, photons, random) || !mayScatter) return;
-    } else {
-      return;
+    // The first flight and scattering have numbers of their own.
+    if (scatterings > 0) drawNumbers(4 * (static_cast<std::uint64_t>(scatterings) - 1), wave);
+    if (uniform_) {
+      uniform_->sample(wave);
+      findSegmentsNear(request_.looksEverywhere ? kEverywhere : surfaces_, wave);
     }
+    meetSurfaces(scatterings, wave, deposits, stats);
+    if (!scene_.volume()) continue;
+    if (uniform_) uniform_->weighCollisions(wave);
+    arriveInMedia(wave);
+    depositInMedia(wave, deposits);
+    scatterInMedia(scatterings, wave);
   }
 }
 
@@ -249,14 +285,38 @@ void forEachPath(const PassRandom& random, std::int64_t begin, std::int64_t end,
   for (std::int64_t some = begin; some < end; some += PassRandom::kAtOnce) {
     const auto points = random.points(static_cast<std::uint32_t>(some));
     const std::int64_t last = std::min<std::int64_t>(end, some + PassRandom::kAtOnce);
-    for (std::int64_t i = some; i < last; ++i)
-      body(PathRandom(random, static_cast<std::uint32_t>(i),
-                      points[static_cast<std::size_t>(i - some)]),
-           i);
+    for (std::int64_t i = some; i < last; ++i) {
+      PathRandom path(random, static_cast<std::uint32_t>(i),
+                      points[static_cast<std::size_t>(i - some)]);
+      body(path, i);
+    }
   }
 }
 
 }  // namespace
+
+/// The paths [begin, end) of a pass, kChunk at most.
+void PhotonTracer::traceChunk(const PassRandom& random, std::int64_t begin, std::int64_t end,
+                              const PathsPerClass& paths, Deposits& deposits, Stats& stats,
+                              PathWave::Words* segments) const {
+  thread_local PathWave wave;
+  wave.count = 0;
+  if (albedo_) wave.albedo.fill(*albedo_);
+  deposits.clear();
+  stats.add(Stat::PhotonPaths, static_cast<std::uint64_t>(end - begin));
+  // The first paths of a pass may be wanted for more than later ones.
+  const auto first = static_cast<std::uint64_t>(begin), last = static_cast<std::uint64_t>(end) - 1;
+  const PhotonClasses wanted = wantedOf(paths, first) & request_.wanted;
+  const bool isOfAll = (wantedOf(paths, last) & request_.wanted).bits() == wanted.bits();
+  forEachPath(random, begin, end, [&](PathRandom& path, std::int64_t i) {
+    wave.wanted[wave.count] =
+        isOfAll ? wanted.bits()
+                : (wantedOf(paths, static_cast<std::uint64_t>(i)) & request_.wanted).bits();
+    wave.path[wave.count] = static_cast<std::uint32_t>(i - begin);
+    emit(path, wave);
+  });
+  traceWave(wave, deposits, stats, segments);
+}
 
 std::optional<std::vector<float>> PhotonTracer::learnShares(std::uint64_t seed, std::uint64_t pass,
                                                             std::uint64_t count,
@@ -271,19 +331,23 @@ std::optional<std::vector<float>> PhotonTracer::learnShares(std::uint64_t seed, 
   std::vector<Seen> seen(count);
   std::vector<Stats> parts((count + kChunk - 1) / kChunk);
   const PassRandom random(seed, pass);
+  PathsPerClass paths;
+  paths.fill(count);
   forEachChunk(static_cast<std::int64_t>(count), kChunk,
                [&](std::int64_t begin, std::int64_t end, std::int64_t chunk) {
                  if (stop.load(std::memory_order_relaxed)) return;
+                 Deposits deposits;
+                 PathWave::Words segments{};
+                 traceChunk(random, begin, end, paths, deposits,
+                            parts[static_cast<std::size_t>(chunk)], &segments);
                  std::vector<Photon> photons;
-                 Stats& part = parts[static_cast<std::size_t>(chunk)];
+                 deposits.sortInto(photons);
                  forEachPath(random, begin, end, [&](const PathRandom& path, std::int64_t i) {
-                   const std::uint64_t before = part[Stat::PhotonSegments];
-                   photons.clear();
-                   tracePath(path, request_.wanted, photons, part);
-                   const std::uint64_t segments = part[Stat::PhotonSegments] - before;
+                   const auto inChunk = static_cast<std::size_t>(i - begin);
+                   const auto left = deposits.photonsOf(inChunk, photons);
                    seen[static_cast<std::size_t>(i)] = {
-                       sources_.sourceOf(path), square(photons),
-                       1 + static_cast<double>(segments + photons.size())};
+                       sources_.sourceOf(path), square(left),
+                       1 + static_cast<double>(segments[inChunk] + left.size())};
                  });
                });
   if (stop.load(std::memory_order_relaxed)) return std::nullopt;
@@ -330,16 +394,12 @@ PhotonSet PhotonTracer::trace(std::uint64_t seed, std::uint64_t pass, const Path
   std::vector<Chunk> parts(chunks);
   forEachChunk(count, kChunk, [&](std::int64_t begin, std::int64_t end, std::int64_t chunk) {
     if (stop.load(std::memory_order_relaxed)) return;
-    thread_local std::vector<Photon> photons;  // reused, so that its memory is
-    photons.clear();
+    thread_local Deposits deposits;  // reused, so that its memory is
     Chunk& part = parts[static_cast<std::size_t>(chunk)];
-    forEachPath(random, begin, end, [&](const PathRandom& path, std::int64_t i) {
-      tracePath(path, wantedOf(paths, static_cast<std::uint64_t>(i)) & request_.wanted, photons,
-                part.stats);
-    });
-    for (Photon& photon : photons)
+    traceChunk(random, begin, end, paths, deposits, part.stats, nullptr);
+    deposits.sortInto(part.photons);
+    for (Photon& photon : part.photons)
       photon.power *= share[static_cast<std::size_t>(photon.photonClass())];
-    part.photons.assign(photons.begin(), photons.end());
   });
   set.isComplete = !stop.load(std::memory_order_relaxed);
   if (!set.isComplete) return set;

@@ -23,6 +23,8 @@ struct PhotonRequest {
   std::optional<int> maxDepth{};  ///< most scatterings of a path; unlimited when not given
   /// Media only attenuate: they emit nothing, and a path ends at its first collision.
   bool passiveMedia = false;
+  /// Surfaces are looked for along every segment, even where none can be: for tests and benchmarks.
+  bool looksEverywhere = false;
 };
 
 /// Number of paths from which the photons of each class are taken, the first ones of the pass.
@@ -50,6 +52,8 @@ struct PhotonSet {
 /// No other estimator looks for the light of emitting media, so it counts as scattered from the
 /// start (SurfaceIndirect, VolumeMultiple).
 /// A path ends when nothing that is wanted can come of it. Photons that leave the scene are gone.
+/// Some hundred paths advance together (PathWave), so that flights, collisions and random numbers
+/// are vectors; what a path does depends on its own numbers alone.
 /// Thread-safe but for setShares. Test: photon_tracer_test.
 class PhotonTracer {
  public:
@@ -57,10 +61,6 @@ class PhotonTracer {
 
   /// Whether any light sends photons.
   bool hasLights() const { return !sources_.isEmpty(); }
-
-  /// Appends the deposits of one path, of the classes `wanted`, as if it were the only path.
-  void tracePath(PathRandom random, PhotonClasses wanted, std::vector<Photon>& photons,
-                 Stats& stats) const;
 
   /// The paths [0, paths of the class) of a pass, in parallel.
   PhotonSet trace(std::uint64_t seed, std::uint64_t pass, const PathsPerClass& paths,
@@ -83,22 +83,31 @@ class PhotonTracer {
   void setShares(std::span<const float> shares) { sources_.setShares(shares); }
 
  private:
-  struct Path;
-  bool emit(PathRandom& random, Path& path) const;
-  std::optional<SurfaceInteraction> fly(Path& path, MediumAlongRay& medium, Vec2 u,
-                                        Stats& stats) const;
-  std::optional<SurfaceInteraction> flyThroughUniform(Path& path, Vec2 u, Stats& stats) const;
-  std::optional<SurfaceInteraction> nextSurface(const Path& path, Stats& stats) const;
+  class Deposits;
+  bool mayScatter(int scatterings) const {
+    return !request_.maxDepth || scatterings < *request_.maxDepth;
+  }
   Ball mediaToAimAt() const;
-  Rgb albedoAt(float t, const MediumAlongRay& medium) const;
-  bool scatterInMedium(Path& path, const Rgb& albedo, PathRandom& random) const;
-  bool scatterAtSurface(Path& path, const SurfaceInteraction& at, PhotonClasses wanted,
-                        std::vector<Photon>& photons, PathRandom& random) const;
+  void traceChunk(const PassRandom& random, std::int64_t begin, std::int64_t end,
+                  const PathsPerClass& paths, Deposits& deposits, Stats& stats,
+                  PathWave::Words* segments) const;
+  void emit(PathRandom& random, PathWave& wave) const;
+  void traceWave(PathWave& wave, Deposits& deposits, Stats& stats, PathWave::Words* segments) const;
+  std::optional<SurfaceInteraction> fly(PathWave& wave, std::size_t i, Stats& stats) const;
+  std::optional<SurfaceInteraction> endUniformFlight(PathWave& wave, std::size_t i,
+                                                     Stats& stats) const;
+  void meetSurfaces(int scatterings, PathWave& wave, Deposits& deposits, Stats& stats) const;
+  bool scatterAtSurface(PathWave& wave, std::size_t i, const SurfaceInteraction& at,
+                        int scatterings, Deposits& deposits) const;
+  void depositInMedia(const PathWave& wave, Deposits& deposits) const;
+  void scatterInMedia(int scatterings, PathWave& wave) const;
 
   const Scene& scene_;
   PhotonRequest request_;
+  Bounds3 surfaces_;
   std::optional<UniformFlights> uniform_;  // all there is, where it is that simple
   std::optional<Rgb> albedo_;              // of all points, where the media are one
+  std::optional<float> henyeyGreenstein_;  // likewise
   Ball media_;  // around those whose photons are wanted; radius 0: none are
   PhotonSources sources_;
 };

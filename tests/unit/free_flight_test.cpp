@@ -49,6 +49,18 @@ void expectAlike(const FreeFlight& a, const FreeFlight& b) {
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(a.weight[c], b.weight[c], 1e-4f * a.weight[c]);
 }
 
+/// A wave of one path.
+PathWave waveOf(const Ray& ray, bool isInMedium, const Rgb& power, Vec2 u) {
+  PathWave wave{};
+  wave.count = 1;
+  wave.o.set(0, ray.o);
+  wave.d.set(0, ray.d);
+  wave.power.set(0, power);
+  wave.isInMedium[0] = isInMedium ? 1 : 0;
+  wave.uChannel[0] = u.x, wave.uDepth[0] = u.y;
+  return wave;
+}
+
 TEST(FreeFlight, UniformMediaNeedNoLookup) {
   // Grey media draw from other bits of the numbers: the same channel must draw in both.
   Rng rng(1);
@@ -69,14 +81,19 @@ TEST(FreeFlight, UniformMediaNeedNoLookup) {
           sigma_s == Rgb(2) ? Rgb(1, 0, 0) : Rgb(rng.uniform(), rng.uniform(), rng.uniform());
       const Vec2 u = rng.uniform2();
       const FreeFlight a = byLookup(*volume, ray, power, u);
-      for (const auto start : {UniformFlights::Start::Anywhere, UniformFlights::Start::InMedium}) {
-        if (start == UniformFlights::Start::InMedium && !isInside) continue;
-        const auto flight = flights->sample(ray, start, power, u);
+      for (const bool isInMedium : {false, true}) {
+        if (isInMedium && !isInside) continue;
+        PathWave wave = waveOf(ray, isInMedium, power, u);
+        flights->sample(wave);
         FreeFlight b;
-        if (flight && flight->collides)
-          b = {flight->range.t1, flights->weightAtCollision(*flight)};
-        else if (flight)
-          b = {std::nullopt, flights->weightAt(*flight, kInfinity)};
+        if (wave.collides(0)) {
+          flights->weighCollisions(wave);
+          b = {wave.t[0], wave.power[0] / power};
+          for (int c = 0; c < 3; ++c)
+            if (power[c] == 0) b.weight[c] = a.weight[c];
+        } else {
+          b = {std::nullopt, flights->weightAt(kInfinity, wave, 0)};
+        }
         expectAlike(a, b);
       }
     }
@@ -92,15 +109,16 @@ TEST(FreeFlight, EndOfAUniformFlightByASurfaceCountsTheWayToIt) {
   Ray ray{Vec3(0.5f, 0.5f, -1), Vec3(0, 0, 1)};
   const Rgb power(0.2f, 0.5f, 0.3f);
   const Vec2 far(0.3f, kOneMinusEpsilon);
-  const auto flight = flights->sample(ray, UniformFlights::Start::Anywhere, power, far);
-  ASSERT_TRUE(flight && !flight->collides);
+  PathWave wave = waveOf(ray, false, power, far);
+  flights->sample(wave);
+  ASSERT_FALSE(wave.collides(0));
   for (const float t : {0.5f, 1.25f, 1.75f, 3.f}) {
     ray.tMax = t;
     const auto range = volume->intersect(ray);
     const Rgb Tr = range ? volume->transmittance(ray, *range) : Rgb(1);
     const float mean = dot(Vec3(power.r, power.g, power.b), Vec3(Tr.r, Tr.g, Tr.b));
     for (int c = 0; c < 3; ++c)
-      EXPECT_NEAR(flights->weightAt(*flight, t)[c], Tr[c] / mean, 1e-5f) << t;
+      EXPECT_NEAR(flights->weightAt(t, wave, 0)[c], Tr[c] / mean, 1e-5f) << t;
   }
 }
 

@@ -163,6 +163,41 @@ TEST(PhotonTracer, ThreadsDoNotMatter) {
   setThreadCount(0);
 }
 
+TEST(PhotonTracer, PhotonsComeInTheOrderOfTheirPaths) {
+  // Those of the first paths do not depend on how many there are. A floor and fog: classes mix.
+  const auto job = sceneOf(kFogBall + box("\"color sigma_s\" [2 1 2]", 1) +
+                           "Material \"matte\" Translate 0 -1.5 5 Rotate 90 1 0 0 Shape \"disk\" "
+                           "\"float radius\" 9 ");
+  const PhotonRequest request{kVolumePhotons | kSurfacePhotons};
+  const auto few = tracePaths(job->scene(), request, 333).photons,
+             many = tracePaths(job->scene(), request, 3000).photons;
+  ASSERT_GT(few.size(), 1000u);
+  ASSERT_GT(many.size(), few.size());
+  for (std::size_t i = 0; i < few.size(); ++i) {
+    ASSERT_EQ(few[i].p, many[i].p);
+    ASSERT_EQ(few[i].wi.bits(), many[i].wi.bits());
+  }
+}
+
+TEST(PhotonTracer, SurfacesThatCannotBeMetAreNotAskedFor) {
+  // A small ball in fog, and nothing but fog: the photons are those of a tracer that always asks.
+  for (const std::string ball : {"Translate .3 .2 5 Shape \"sphere\" \"float radius\" .2 ", ""})
+    for (const std::string sigma : {"[2 2 2]", "[1 2 4]"}) {
+      const auto job =
+          sceneOf(kFogBall + box("\"color sigma_s\" " + sigma, 1) + "Material \"matte\" " + ball);
+      PhotonRequest request{kVolumePhotons | kSurfacePhotons};
+      Stats some, all;
+      const auto seldom = tracePaths(job->scene(), request, 5000, &some).photons;
+      request.looksEverywhere = true;
+      const auto always = tracePaths(job->scene(), request, 5000, &all).photons;
+      ASSERT_EQ(seldom.size(), always.size());
+      EXPECT_EQ(std::memcmp(seldom.data(), always.data(), always.size() * sizeof(Photon)), 0);
+      EXPECT_EQ(all[Stat::IntersectionRays], all[Stat::PhotonSegments]);
+      EXPECT_LT(some[Stat::IntersectionRays],
+                all[Stat::IntersectionRays] / (ball.empty() ? 1000 : 2));
+    }
+}
+
 TEST(PhotonTracer, WhiteFurnaceHasTheFluenceOfTheSky) {
   // Radiance 1 from everywhere, albedo 1: fluence 4 pi everywhere, deposits sigma_t 4 pi per
   // volume.
