@@ -36,7 +36,7 @@ struct OwnedBeams {
   }
   /// Moves `count` beams to a place before or at their own.
   void move(std::size_t from, std::size_t count, std::size_t to) {
-    if (from == to) return;
+    if (from == to || count == 0) return;
     std::copy_n(beams.begin() + static_cast<std::ptrdiff_t>(from), count,
                 beams.begin() + static_cast<std::ptrdiff_t>(to));
     std::copy_n(owners.begin() + static_cast<std::ptrdiff_t>(from), count,
