@@ -51,6 +51,7 @@ void PhotonMapIntegrator::prepare(PrepareContext& context) {
   if (!(wanted & kSurfacePhotons).isEmpty()) {
     surfaceMap_.emplace(std::span<const Photon>(set.photons), &scene_.accelerator());
     if (surfaceMap_->isEmpty()) surfaceMap_.reset();
+    if (surfaceMap_) warnOfMotion(scene_, context);
   }
   if (!(wanted & kVolumePhotons).isEmpty()) {
     volumeMap_.emplace(*scene_.volume(), set.photons, power_, params_.radius.value_or(0));

@@ -120,4 +120,12 @@ PhotonSet tracePhotons(const Scene& scene, const PhotonMapRequest& request,
   return set;
 }
 
+void warnOfMotion(const Scene& scene, const PrepareContext& context) {
+  if (scene.isMoving() && context.shutter.t1 > context.shutter.t0)
+    context.log.warning({},
+                        "photons on surfaces that move are spread over their way while the "
+                        "shutter is open, so that too little caustic and indirect light is "
+                        "found there; \"pvpm\" gives each pass a moment of its own");
+}
+
 }  // namespace brume

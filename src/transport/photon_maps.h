@@ -30,4 +30,7 @@ PhotonClasses showableClasses(const Scene& scene, const PhotonMapRequest& reques
 PhotonSet tracePhotons(const Scene& scene, const PhotonMapRequest& request,
                        const PrepareContext& context);
 
+/// One map of surface photons of all times does not suit surfaces that move: says so.
+void warnOfMotion(const Scene& scene, const PrepareContext& context);
+
 }  // namespace brume

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "core/error.h"
+#include "core/log.h"
 #include "core/parallel.h"
 #include "support/estimate.h"
 #include "support/render_text.h"
@@ -206,6 +207,23 @@ void checkScarcity(const std::string& method) {
       "Shape \"sphere\"\nAttributeEnd\n";
   EXPECT_THROW(render("\"bool directvolume\" \"false\"", away + medium), SceneError);
   EXPECT_EQ(render("", away + medium), Rgb());
+}
+
+void checkMotion(const std::string& method) {
+  const auto warnings = [&](const std::string& motion) {
+    Log log(Log::Options{Verbosity::Normal, false, true});
+    const std::string text =
+        scene(fmt::format("\"{}\" \"integer photons\" 100 \"integer surfacephotons\" 100", method),
+              fromAbove(1),
+              "LightSource \"point\" \"point from\" [.3 .4 3] \"color I\" [20 20 20]\n"
+              "Shape \"disk\" \"float radius\" 3\n" +
+                  motion + "Shape \"sphere\" \"float radius\" .4\n",
+              1);
+    makeJob(text, {}, log)->run(std::atomic<bool>{false}, {});
+    return log.warningCount();
+  };
+  EXPECT_EQ(warnings(""), 0);
+  EXPECT_EQ(warnings("ActiveTransform EndTime Translate .1 0 0 ActiveTransform All\n"), 1);
 }
 
 }  // namespace brume::test

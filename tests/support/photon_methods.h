@@ -20,5 +20,7 @@ void checkWall(const std::string& method);
 void checkThreads(const std::string& method);
 /// Media that nothing reaches, no light, no medium, no photons: an error or a stated zero.
 void checkScarcity(const std::string& method);
+/// A ball that moves: a warning, and none where it stands.
+void checkMotion(const std::string& method);
 
 }  // namespace brume::test

@@ -14,6 +14,7 @@ TEST(Bre, AgreesWithVolpathAroundSurfaces) { test::checkSurfacesAgainstVolpath("
 TEST(Bre, CountsNoPhotonBehindAWall) { test::checkWall("bre"); }
 TEST(Bre, DoesNotDependOnThreads) { test::checkThreads("bre"); }
 TEST(Bre, SaysWhereNoPhotonsAre) { test::checkScarcity("bre"); }
+TEST(Bre, WarnsOfPhotonsOnWhatMoves) { test::checkMotion("bre"); }
 
 }  // namespace
 }  // namespace brume

@@ -14,6 +14,7 @@ TEST(Vpm, AgreesWithVolpathAroundSurfaces) { test::checkSurfacesAgainstVolpath("
 TEST(Vpm, CountsNoPhotonBehindAWall) { test::checkWall("vpm"); }
 TEST(Vpm, DoesNotDependOnThreads) { test::checkThreads("vpm"); }
 TEST(Vpm, SaysWhereNoPhotonsAre) { test::checkScarcity("vpm"); }
+TEST(Vpm, WarnsOfPhotonsOnWhatMoves) { test::checkMotion("vpm"); }
 
 }  // namespace
 }  // namespace brume

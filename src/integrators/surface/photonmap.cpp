@@ -9,6 +9,7 @@
 #include "transport/all_lights.h"
 #include "transport/final_gather.h"
 #include "transport/light_tree.h"
+#include "transport/photon_maps.h"
 #include "transport/photon_store.h"
 #include "transport/specular.h"
 
@@ -202,6 +203,7 @@ void PhotonMap::prepare(PrepareContext& context) {
   const PhotonSet set = loadOrTracePhotons(params_.files, needs, scene_, context,
                                            [&] { return tracePhotons(wanted, context); });
   if (!set.isComplete) return;
+  if (!set.photons.empty()) warnOfMotion(scene_, context);
 
   const Photons photons = sortOut(set, gathers);
   auto maps = std::make_unique<Maps>(photons, &scene_.accelerator());
