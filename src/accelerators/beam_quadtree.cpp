@@ -7,8 +7,8 @@
 #include <numeric>
 
 #include "accelerators/beam_order.h"
-#include "core/lanes_math.h"
 #include "core/error.h"
+#include "core/lanes_math.h"
 #include "core/parallel.h"
 
 namespace brume {

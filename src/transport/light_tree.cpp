@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "transport/light_tree.h"
 
-#include "core/lanes_math.h"
 #include "core/error.h"
+#include "core/lanes_math.h"
 
 namespace brume {
 namespace {

@@ -160,7 +160,7 @@ class VolPath final : public RayGlobalIntegrator {
     Arrival arrival;
     Rgb L, throughput{1.f};
     int scatterings = 0;
-    float aimed = 1;  ///< of the present direction: see Outgoing
+    float aimed = 1;                                    ///< of the present direction: see Outgoing
     PathComponent component = PathComponent::Emission;  ///< of light that the present ray meets
   };
   /// A free flight: where it ends, if in the medium, and with which density [1/length].
@@ -409,9 +409,9 @@ bool VolPath::scatter(PathState& path, const Vertex& vertex, PointWeight&& point
 
 /// Russian roulette. By the throughput alone, so that a path that has lost nothing goes on: in a
 /// medium that absorbs nothing survival is 1, until the path is so long that only a closed scene
-/// can hold it. A direction drawn around a light carries little because much will be scattered along
-/// it: that is left out of the throughput here, or the survivors would have lost what the direction
-/// was drawn for, weights that no light's distance from the ray can blow up.
+/// can hold it. A direction drawn around a light carries little because much will be scattered
+/// along it: that is left out of the throughput here, or the survivors would have lost what the
+/// direction was drawn for, weights that no light's distance from the ray can blow up.
 bool VolPath::survives(PathState& path, RenderContext& context) const {
   const float carried = path.throughput.maxChannel() * path.aimed;
   if (!(carried > 0)) return false;
