@@ -15,6 +15,7 @@
 #include "core/rng.h"
 #include "support/folders.h"
 #include "support/run_program.h"
+#include "support/sanitizers.h"
 
 namespace brume::test {
 namespace {
@@ -27,8 +28,7 @@ const std::filesystem::path kFolder = test::sourceFolder() / "tests/bad";
 /// Exit code 1 within 2 s of processor time and 1 GiB.
 void expectCheapRefusal(const ProgramResult& result) {
   EXPECT_EQ(result.exitCode, 1);
-#if !defined(__SANITIZE_ADDRESS__) && \
-    !defined(__SANITIZE_THREAD__)  // these cost several times both
+#if !BRUME_ASAN && !BRUME_TSAN  // these cost several times both
   EXPECT_LT(result.cpuSeconds, 2);
   EXPECT_LT(result.peakBytes, std::size_t{1} << 30);
 #endif

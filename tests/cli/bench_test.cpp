@@ -9,6 +9,7 @@
 
 #include "support/folders.h"
 #include "support/run_program.h"
+#include "support/sanitizers.h"
 
 namespace brume::test {
 namespace {
@@ -215,7 +216,7 @@ TEST_F(Bench, LearnsHowItsProcessesEndWhereTheirSignalIsIgnored) {
   EXPECT_TRUE(contains(err, "(did you mean 'volpath'?)")) << err;
 }
 
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#if !BRUME_ASAN && !BRUME_TSAN
 TEST_F(Bench, AMethodWithoutMemoryIsTold) {
   folder_.write("ball.json", R"({"scenes": [{"file": "ball.pbrt", "reference": {"passes": 2}}],
     "passes": 1, "threads": 1, "methods": [{"integrator": "volpath"},

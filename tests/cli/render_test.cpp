@@ -9,6 +9,7 @@
 
 #include "core/io/image.h"
 #include "support/run_program.h"
+#include "support/sanitizers.h"
 
 namespace brume::test {
 namespace {
@@ -299,7 +300,7 @@ TEST(Render, AFullDiskLeavesNoHalfFile) {
   EXPECT_EQ(folder.files(), std::vector<std::string>{"ball.pbrt"});
 }
 
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // they keep what is freed
+#if !BRUME_ASAN && !BRUME_TSAN  // they keep what is freed
 TEST(Render, MemoryDoesNotGrowWithPasses) {
   const TemporaryFolder folder;
   folder.write("fog.pbrt",
@@ -330,7 +331,7 @@ TEST(Render, StartsFast) {
   double best = 1e9;
   for (int i = 0; i < 5; ++i)
     best = std::min(best, runBrume({{"--check", "ball.pbrt"}, folder.path()}).seconds);
-#ifdef __SANITIZE_ADDRESS__
+#if BRUME_ASAN
   constexpr double kLimit = 2;
 #else
   constexpr double kLimit = 0.25;  // 0.05 is the goal; the machine may be busy

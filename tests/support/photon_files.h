@@ -28,9 +28,10 @@ inline PhotonFile somePhotons(std::size_t n, std::uint64_t seed = 1) {
   for (std::size_t c = 0; c < kPhotonClasses; ++c) file.set.paths[c] = 10 + c;
   const auto number = [&] { return rng.uniform() - 0.5f; };
   for (std::size_t i = 0; i < n; ++i) {
-    const Vec3 p(number(), number(), number());
-    const Vec3 wi = normalize(Vec3(number(), number(), number() + 2));
-    const Rgb power(rng.uniform(), rng.uniform(), 1e-30f * rng.uniform());
+    // In braces: from left to right, by every compiler.
+    const Vec3 p{number(), number(), number()};
+    const Vec3 wi = normalize(Vec3{number(), number(), number() + 2});
+    const Rgb power{rng.uniform(), rng.uniform(), 1e-30f * rng.uniform()};
     const auto c = static_cast<PhotonClass>(i % kPhotonClasses);
     file.set.photons.push_back(kSurfacePhotons.contains(c) ? Photon::onSurface(p, wi, -wi, power, c)
                                                            : Photon::inMedium(p, wi, power, c));

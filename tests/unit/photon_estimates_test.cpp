@@ -178,7 +178,7 @@ TEST(VolumePhotonMap, NeedsAtMost32BytesPerPhotonWithItsRadii) {
 /// density.
 class BiasOfEstimates : public ::testing::Test {
  protected:
-  static constexpr int kSide = 60;
+  static constexpr int kSide = 100;
   static constexpr float kWave = 3 * kPi;
 
   BiasOfEstimates() {
@@ -190,7 +190,7 @@ class BiasOfEstimates : public ::testing::Test {
       // Jittered in each cell.
       const Vec3 cell(static_cast<float>(i % kSide), static_cast<float>(i / kSide % kSide),
                       static_cast<float>(i / kSide / kSide));
-      const Vec3 p = (cell + Vec3(rng.uniform(), rng.uniform(), rng.uniform())) / float{kSide};
+      const Vec3 p = (cell + Vec3{rng.uniform(), rng.uniform(), rng.uniform()}) / float{kSide};
       const float density = 1 + 0.5f * std::cos(kWave * (p.x - 0.5f));
       photons_.push_back(Photon::inMedium(p, Vec3(0, 0, 1), Rgb(density / (kSide * kSide * kSide)),
                                           PhotonClass::VolumeMultiple));
