@@ -33,7 +33,7 @@ std::string slabText(const PhotonSlab& p, bool isLit) {
       p.method == "pvpm"
           ? "\"integer passes\" 2 \"integer photonsperpass\" 200000 \"float alpha\" 1"
       : p.method == "vpm" ? "\"integer photons\" 250000"  // small balls hold few of them
-                          : "\"integer photons\" 30000";
+                          : "\"integer photons\" 120000";
   const SlabMedium medium{gray3(p.tau), gray3(p.albedo), henyeyGreensteinCase(p.g)};
   return fmt::format(
       "LookAt 0 0 {0}  0 0 0  0 1 0\n"
