@@ -43,45 +43,56 @@ inline bool hasAvx2() {
 
 namespace lanes_generic {
 
-struct Lanes {
-  std::array<float, kLanes> v;
+/// What eight numbers can do, whatever their type.
+template <class T>
+struct EightOf {
+  std::array<T, kLanes> v;
 
-  static Lanes all(float x) {
-    Lanes r;
+  static EightOf all(T x) {
+    EightOf r;
     r.v.fill(x);
     return r;
   }
-  static Lanes load(const float* p) {
-    Lanes r;
+  static EightOf load(const T* p) {
+    EightOf r;
     std::copy_n(p, kLanes, r.v.begin());
     return r;
   }
-  void store(float* p) const { std::copy_n(v.begin(), kLanes, p); }
+  void store(T* p) const { std::copy_n(v.begin(), kLanes, p); }
 
   template <class Op>
-  static Lanes each(const Lanes& a, const Lanes& b, Op op) {
-    Lanes r;
+  static EightOf each(const EightOf& a, const EightOf& b, Op op) {
+    EightOf r;
     for (std::size_t i = 0; i < kLanes; ++i) r.v[i] = op(a.v[i], b.v[i]);
     return r;
   }
   template <class Op>
-  static LaneMask compare(const Lanes& a, const Lanes& b, Op op) {
+  static LaneMask compare(const EightOf& a, const EightOf& b, Op op) {
     LaneMask mask = 0;
     for (std::size_t i = 0; i < kLanes; ++i) mask |= LaneMask{op(a.v[i], b.v[i])} << i;
     return mask;
   }
-  friend Lanes operator+(const Lanes& a, const Lanes& b) { return each(a, b, std::plus<>()); }
-  friend Lanes operator-(const Lanes& a, const Lanes& b) { return each(a, b, std::minus<>()); }
-  friend Lanes operator*(const Lanes& a, const Lanes& b) { return each(a, b, std::multiplies<>()); }
-  /// The greater one; b when one of them is NaN.
-  friend Lanes max(const Lanes& a, const Lanes& b) {
-    return each(a, b, [](float x, float y) { return x > y ? x : y; });
+  friend EightOf operator+(const EightOf& a, const EightOf& b) { return each(a, b, std::plus<>()); }
+  friend EightOf operator-(const EightOf& a, const EightOf& b) {
+    return each(a, b, std::minus<>());
   }
-  friend LaneMask less(const Lanes& a, const Lanes& b) { return compare(a, b, std::less<>()); }
-  friend LaneMask lessEqual(const Lanes& a, const Lanes& b) {
+  friend EightOf operator*(const EightOf& a, const EightOf& b) {
+    return each(a, b, std::multiplies<>());
+  }
+  /// The greater one; b when one of them is NaN.
+  friend EightOf max(const EightOf& a, const EightOf& b) {
+    return each(a, b, [](T x, T y) { return x > y ? x : y; });
+  }
+  /// The smaller one; b when one of them is NaN.
+  friend EightOf min(const EightOf& a, const EightOf& b) {
+    return each(a, b, [](T x, T y) { return x < y ? x : y; });
+  }
+  friend LaneMask less(const EightOf& a, const EightOf& b) { return compare(a, b, std::less<>()); }
+  friend LaneMask lessEqual(const EightOf& a, const EightOf& b) {
     return compare(a, b, std::less_equal<>());
   }
 };
+using Lanes = EightOf<float>;
 
 /// The lanes of the mask, moved together, stored from `to` on. Overwrites 8 places.
 inline void compress(const Lanes& a, LaneMask mask, float* to) {
@@ -129,6 +140,7 @@ struct Lanes {
     return {_mm256_mul_ps(a.v, b.v)};
   }
   BRUME_AVX2 friend Lanes max(const Lanes& a, const Lanes& b) { return {_mm256_max_ps(a.v, b.v)}; }
+  BRUME_AVX2 friend Lanes min(const Lanes& a, const Lanes& b) { return {_mm256_min_ps(a.v, b.v)}; }
   BRUME_AVX2 friend LaneMask less(const Lanes& a, const Lanes& b) {
     return static_cast<LaneMask>(_mm256_movemask_ps(_mm256_cmp_ps(a.v, b.v, _CMP_LT_OQ)));
   }

@@ -11,47 +11,12 @@ namespace brume {
 
 namespace lanes_generic {
 
-struct Doubles {
-  std::array<double, kLanes> v;
+using Doubles = EightOf<double>;
 
-  static Doubles all(double x) {
-    Doubles r;
-    r.v.fill(x);
-    return r;
-  }
-  static Doubles load(const double* p) {
-    Doubles r;
-    std::copy_n(p, kLanes, r.v.begin());
-    return r;
-  }
-  void store(double* p) const { std::copy_n(v.begin(), kLanes, p); }
-  /// As whole numbers, which they are: 0 <= x < 2^51.
-  void storeIndices(std::int64_t* p) const {
-    for (std::size_t i = 0; i < kLanes; ++i) p[i] = static_cast<std::int64_t>(v[i]);
-  }
-
-  template <class Op>
-  static Doubles each(const Doubles& a, const Doubles& b, Op op) {
-    Doubles r;
-    for (std::size_t i = 0; i < kLanes; ++i) r.v[i] = op(a.v[i], b.v[i]);
-    return r;
-  }
-  friend Doubles operator+(const Doubles& a, const Doubles& b) { return each(a, b, std::plus<>()); }
-  friend Doubles operator-(const Doubles& a, const Doubles& b) {
-    return each(a, b, std::minus<>());
-  }
-  friend Doubles operator*(const Doubles& a, const Doubles& b) {
-    return each(a, b, std::multiplies<>());
-  }
-  /// b when one of them is NaN.
-  friend Doubles max(const Doubles& a, const Doubles& b) {
-    return each(a, b, [](double x, double y) { return x > y ? x : y; });
-  }
-  friend Doubles min(const Doubles& a, const Doubles& b) {
-    return each(a, b, [](double x, double y) { return x < y ? x : y; });
-  }
-};
-
+/// As whole numbers, which they are: 0 <= x < 2^51.
+inline void storeIndices(const Doubles& a, std::int64_t* p) {
+  for (std::size_t i = 0; i < kLanes; ++i) p[i] = static_cast<std::int64_t>(a.v[i]);
+}
 inline Doubles floor(const Doubles& a) {
   return Doubles::each(a, a, [](double x, double) { return std::floor(x); });
 }
@@ -101,13 +66,6 @@ struct Doubles {
     _mm256_storeu_pd(p, lo);
     _mm256_storeu_pd(p + 4, hi);
   }
-  BRUME_AVX2 void storeIndices(std::int64_t* p) const {
-    // From 2^52 on the last bit of a double is worth 1.
-    const __m256d shift = _mm256_set1_pd(0x1p52);
-    _mm256_storeu_pd(reinterpret_cast<double*>(p), _mm256_xor_pd(_mm256_add_pd(lo, shift), shift));
-    _mm256_storeu_pd(reinterpret_cast<double*>(p + 4),
-                     _mm256_xor_pd(_mm256_add_pd(hi, shift), shift));
-  }
   BRUME_AVX2 friend Doubles operator+(const Doubles& a, const Doubles& b) {
     return {_mm256_add_pd(a.lo, b.lo), _mm256_add_pd(a.hi, b.hi)};
   }
@@ -125,6 +83,13 @@ struct Doubles {
   }
 };
 
+BRUME_AVX2 inline void storeIndices(const Doubles& a, std::int64_t* p) {
+  // From 2^52 on the last bit of a double is worth 1.
+  const __m256d shift = _mm256_set1_pd(0x1p52);
+  auto* const to = reinterpret_cast<double*>(p);
+  _mm256_storeu_pd(to, _mm256_xor_pd(_mm256_add_pd(a.lo, shift), shift));
+  _mm256_storeu_pd(to + 4, _mm256_xor_pd(_mm256_add_pd(a.hi, shift), shift));
+}
 BRUME_AVX2 inline Doubles floor(const Doubles& a) {
   return {_mm256_floor_pd(a.lo), _mm256_floor_pd(a.hi)};
 }

@@ -18,11 +18,6 @@ inline Lanes sqrt(const Lanes& a) {
   return Lanes::each(a, a, [](float x, float) { return std::sqrt(x); });
 }
 
-/// The smaller one; b when one of them is NaN.
-inline Lanes min(const Lanes& a, const Lanes& b) {
-  return Lanes::each(a, b, [](float x, float y) { return x < y ? x : y; });
-}
-
 /// A mask as a vector: all bits of a lane are equal.
 inline Lanes fromBits(LaneMask mask) {
   Lanes r;
@@ -110,7 +105,6 @@ BRUME_AVX2 inline Lanes operator/(const Lanes& a, const Lanes& b) {
   return {_mm256_div_ps(a.v, b.v)};
 }
 BRUME_AVX2 inline Lanes sqrt(const Lanes& a) { return {_mm256_sqrt_ps(a.v)}; }
-BRUME_AVX2 inline Lanes min(const Lanes& a, const Lanes& b) { return {_mm256_min_ps(a.v, b.v)}; }
 BRUME_AVX2 inline Lanes lessMask(const Lanes& a, const Lanes& b) {
   return {_mm256_cmp_ps(a.v, b.v, _CMP_LT_OQ)};
 }

@@ -20,7 +20,10 @@ std::int32_t blocks(std::int32_t n) { return n / 8 + (n % 8 != 0); }
 DensityGrid::DensityGrid(std::vector<float> voxels, const Cell& size)
     : voxels_(std::move(voxels)), size_(size) {
   // Pairs along x end in the grid, unless an axis of one voxel has none.
-  if (size_[0] == 1) voxels_.push_back(0);
+  if (size_[0] == 1) {
+    voxels_.reserve(voxels_.size() + 1);  // not twice as many
+    voxels_.push_back(0);
+  }
   buildFirstLevel();
   while (buildNextLevel()) {
   }
@@ -146,12 +149,6 @@ DensityGrid::CellCorners::CellCorners(const DensityGrid& grid, const Cell& cell)
   const float* voxels = grid.voxels_.data();
   for (int i = 0; i < 8; ++i)
     v_[i] = double{voxels[index[0][i & 1] + index[1][(i >> 1) & 1] + index[2][i >> 2]]};
-}
-
-bool DensityGrid::CellCorners::isEmpty() const {
-  double sum = 0;
-  for (const double v : v_) sum += v;
-  return sum == 0;
 }
 
 double DensityGrid::CellCorners::at(const Vec3d& f) const {

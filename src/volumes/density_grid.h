@@ -63,7 +63,6 @@ class DensityGrid {
   class CellCorners {
    public:
     CellCorners(const DensityGrid& grid, const Cell& cell);
-    bool isEmpty() const;
     /// At the position f in [0, 1]^3.
     double at(const Vec3d& f) const;
     /// Bernstein coefficients of the density on the line from p to q (both in [0, 1]^3): the

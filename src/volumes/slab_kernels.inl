@@ -66,9 +66,9 @@ BRUME_KERNEL inline void locate(const SlabRay& ray, std::int64_t firstSlab, Slab
   (minor[1] - shift[1] * (Lanes::all(1) - isFirstOne)).store(s.position[1][b].data());
   (minor[0] - shift[0]).store(s.position[2][a].data());
   (minor[1] - shift[1]).store(s.position[2][b].data());
-  index.storeIndices(s.index[0].data());
-  (index + firstOne * indexShift[0] + secondOne * indexShift[1]).storeIndices(s.index[1].data());
-  (index + indexShift[0] + indexShift[1]).storeIndices(s.index[2].data());
+  storeIndices(index, s.index[0].data());
+  storeIndices(index + firstOne * indexShift[0] + secondOne * indexShift[1], s.index[1].data());
+  storeIndices(index + indexShift[0] + indexShift[1], s.index[2].data());
 }
 
 /// The voxels around one of the cells of each stretch; bit 0: x, bit 1: y, bit 2: z.

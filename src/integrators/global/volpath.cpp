@@ -410,8 +410,8 @@ bool VolPath::scatter(PathState& path, const Vertex& vertex, PointWeight&& point
 /// Russian roulette. By the throughput alone, so that a path that has lost nothing goes on: in a
 /// medium that absorbs nothing survival is 1, until the path is so long that only a closed scene
 /// can hold it. A direction drawn around a light carries little because much will be scattered
-/// along it: that is left out of the throughput here, or the survivors would have lost what the
-/// direction was drawn for, weights that no light's distance from the ray can blow up.
+/// along it: its density is left out here, or survivors would carry as much as if the scattering
+/// function had drawn it, and no distance between light and ray would bound what they bring.
 bool VolPath::survives(PathState& path, RenderContext& context) const {
   const float carried = path.throughput.maxChannel() * path.aimed;
   if (!(carried > 0)) return false;
