@@ -11,7 +11,7 @@ namespace brume {
 
 /// Around a light of no size in a medium the light scattered along a ray grows like 1 / D, D its
 /// distance from the ray: drawn from a phase function or BSDF alone, directions have no finite
-/// variance there. A small share of them is therefore drawn around the directions to such lights,
+/// variance there. A quarter of them is therefore drawn around the directions to such lights,
 ///   pdf(w) = 1 / (2 pi^2 sin theta)      [1/sr], theta the angle to the light,
 /// which grows as fast as what is looked for. Test: towards_lights_test.
 class TowardsLights {
@@ -40,7 +40,7 @@ class TowardsLights {
 
    private:
     friend class TowardsLights;
-    static constexpr float kShare = 0.05f;
+    static constexpr float kShare = 0.25f;
     std::size_t count_ = 0;
     std::array<Vec3, kMost> towards_{};  // unit
     std::array<float, kMost> probability_{};
