@@ -77,7 +77,7 @@ float Quadric::area() const {
   for (int i = 0; i < cells; ++i)
     for (int j = 0; j < cells; ++j) {
       const Vec2 u((static_cast<float>(i) + 0.5f) * cell, (static_cast<float>(j) + 0.5f) * cell);
-      sum += areaRatio(local(sampleObject(u)).n);
+      sum += areaRatio(normal(sampleObject(u)));
     }
   return static_cast<float>(objectArea_ * sum / (cells * cells));
 }
@@ -149,9 +149,7 @@ ShapeSample Quadric::sampleAt(const Vec3d& object, const Vec3d& n) const {
 
 ShapeSample Quadric::sampleArea(Vec2 u) const {
   const Vec3d object = sampleObject(u);
-  const Local at = local(object);
-  ShapeSample sample = sampleAt(object, at.n);
-  sample.uv = {static_cast<float>(at.u), static_cast<float>(at.v)};
+  ShapeSample sample = sampleAt(object, normal(object));
   sample.pdf = pdfArea(sample.p, sample.n);
   return sample;
 }

@@ -61,6 +61,8 @@ class Quadric : public Shape {
   /// Whether a point of the unclipped surface belongs to the shape.
   virtual bool exists(const Vec3d& p) const = 0;
   virtual Local local(const Vec3d& p) const = 0;
+  /// n of local(p), which is all that a sampled point needs.
+  virtual Vec3d normal(const Vec3d& p) const { return local(p).n; }
   /// A point uniform by area in object space.
   virtual Vec3d sampleObject(Vec2 u) const = 0;
 
@@ -73,8 +75,8 @@ class Quadric : public Shape {
   Vec3d vectorToObject(const Vec3d& v) const;
   /// |det| of the map from shape to object space.
   double objectVolumeRatio() const { return 1 / volumeRatio_; }
-  /// A sample at a point of the surface and its unit normal there, in object space; pdf and uv
-  /// left to the caller.
+  /// A sample at a point of the surface and its unit normal there, in object space; pdf left to the
+  /// caller.
   ShapeSample sampleAt(const Vec3d& object, const Vec3d& n) const;
 
  private:

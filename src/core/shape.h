@@ -23,7 +23,6 @@ struct ShapeSample {
   Vec3 p{0};
   Vec3 pError{0};
   Vec3 n{0, 0, 1};  ///< unit, on the side that the hit normal shows
-  Vec2 uv{0};       ///< set by sampleArea only: nothing needs that of a point seen from another
   float pdf = 0;    ///< solid angle at the reference point, or per area for sampleArea
 };
 

@@ -299,7 +299,6 @@ ShapeSample TriangleMesh::sampleArea(Vec2 u) const {
   sample.p = plane.point(b1, b2);
   sample.pError = pointError(sample.p, plane);
   if (!plane.isDegenerate()) sample.n = Vec3(flipsNormal_ ? -plane.n : plane.n);
-  sample.uv = uvAt(triangle, b1, b2);
   sample.pdf = static_cast<float>(1 / area_);
   return sample;
 }

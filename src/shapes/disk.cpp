@@ -54,9 +54,10 @@ class Disk final : public Quadric {
     l.v = 1 - (std::sqrt(p.x * p.x + p.y * p.y) - innerRadius_) / width;
     l.dpdu = Vec3d(-at.sinPhi, at.cosPhi, 0) * (phiMax() * at.radius);
     l.dpdv = Vec3d(at.cosPhi, at.sinPhi, 0) * -width;
-    l.n = Vec3d(0, 0, 1);
+    l.n = normal(p);
     return l;  // a plane: the second derivatives have no part along n
   }
+  Vec3d normal(const Vec3d&) const override { return {0, 0, 1}; }
   Vec3d sampleObject(Vec2 u) const override {
     const double inner2 = innerRadius_ * innerRadius_;
     const double r = std::sqrt(inner2 + (radius_ * radius_ - inner2) * u.x), phi = phiMax() * u.y;

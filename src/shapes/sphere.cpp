@@ -59,6 +59,7 @@ class Sphere final : public Quadric {
     return !(cutsBelow_ && p.z < zMin_) && !(cutsAbove_ && p.z > zMax_) && phiExists(p.x, p.y);
   }
   Local local(const Vec3d& p) const override;
+  Vec3d normal(const Vec3d& p) const override { return normalize(p); }
   Vec3d sampleObject(Vec2 u) const override {
     const double z = zMin_ + (zMax_ - zMin_) * u.x, phi = phiMax() * u.y;
     const double radius = std::sqrt(std::max(0.0, radius_ * radius_ - z * z));
@@ -96,7 +97,7 @@ Quadric::Local Sphere::local(const Vec3d& p) const {
   l.duu = Vec3d(-x, -y, 0) * (phiMax() * phiMax());
   l.duv = Vec3d(-at.sinPhi, at.cosPhi, 0) * (thetaRange_ * p.z * phiMax());
   l.dvv = Vec3d(x, y, p.z) * (-thetaRange_ * thetaRange_);
-  l.n = normalize(p);
+  l.n = normal(p);
   return l;
 }
 
