@@ -21,22 +21,26 @@ import common
 
 SCENES = ["scenes/fog_box.pbrt", "scenes/dense_fog.pbrt", "scenes/caustic_fog.pbrt", "scenes/smoke_grid.pbrt",
           "../shared/pbrt-v2-scenes/spotfog.pbrt", "../shared/pbrt-v2-scenes/smoke-2.pbrt"]
-# Innermost first: (phase, functions, part of "Embree and evaluation").
+# (Phase, functions).
 PHASES = [
-    ("Embree", r"libembree", True),
+    ("Embree", r"libembree"),
     ("photons on beams", r"gather(Group|Some|Beams|Homogeneous|InMedia)|::findTiles|BeamQuadtree::(forEach|lookup)|"
-                         r"searchBall|Pvpm::gather", True),
-    ("photons on visible points", r"SurfacePhotonMap::radiance", True),
-    ("light along beams", r"UnscatteredLight::|estimateInscattering|ScatteringDistanceSampler", True),
-    ("direct light on surfaces", r"estimateDirect|CameraPaths::direct", True),
-    ("tracing photons", r"PhotonTracer::trace\b|PhotonTracer::traceChunk", False),
-    ("sorting photons", r"VolumePhotons::VolumePhotons|SurfacePhotonMap::SurfacePhotonMap|PhotonKdTree::PhotonKdTree",
-     False),
-    ("tree of beams", r"BeamQuadtree::BeamQuadtree|BeamQuadtree::build|placesOf", False),
-    ("camera paths", r"traceCameraBeams|traceTile|CameraPaths::", False),
-    ("the rest of a pass", r"Pvpm::renderPass", False),
+                         r"searchBall|Pvpm::gather"),
+    ("light along beams", r"UnscatteredLight::|estimateInscattering|ScatteringDistanceSampler"),
+    ("photons on visible points", r"SurfacePhotonMap::radiance"),
+    ("direct light on surfaces", r"estimateDirect|CameraPaths::direct"),
+    ("tracing photons", r"PhotonTracer::trace\b|PhotonTracer::traceChunk"),
+    ("sorting photons", r"VolumePhotons::VolumePhotons|SurfacePhotonMap::SurfacePhotonMap|PhotonKdTree::PhotonKdTree"),
+    ("tree of beams", r"BeamQuadtree::BeamQuadtree|BeamQuadtree::build|placesOf"),
+    ("camera paths", r"traceCameraBeams|traceTile|CameraPaths::"),
+    ("the rest", r"Pvpm::renderPass"),
 ]
-MATCHERS = [(name, re.compile(pattern)) for name, pattern, _ in PHASES]
+EVALUATION = {
+    "Embree and beams": ["Embree", "photons on beams", "light along beams"],
+    "Embree, beams and visible points": ["Embree", "photons on beams", "light along beams", "photons on visible points",
+                                         "direct light on surfaces"],
+}
+MATCHERS = [(name, re.compile(pattern)) for name, pattern in PHASES]
 OUTSIDE = re.compile(r"firstRadii|learnShares")  # pilots, before the first pass
 
 
@@ -62,7 +66,7 @@ def shares(scene, passes):
     samples = sum(counts.values())
     if samples == 0:
         sys.exit(f"{scene}: perf saw no pass")
-    return {name: counts[name] / samples for name, _, _ in PHASES}
+    return {name: counts[name] / samples for name, _ in PHASES}
 
 
 def main():
@@ -74,12 +78,12 @@ def main():
     arguments = parser.parse_args()
     found = {scene.stem: shares(scene, arguments.passes)
              for scene in arguments.scenes or [common.ROOT / name for name in SCENES]}
-    width = max(len(name) for name, _, _ in PHASES)
+    width = max(map(len, [*EVALUATION, *(name for name, _ in PHASES)]))
     print(" " * width, *(f"{scene:>12}" for scene in found))
-    for name, _, _ in PHASES:
+    for name, _ in PHASES:
         print(f"{name:{width}}", *(f"{of[name]:12.1%}" for of in found.values()))
-    print(f"{'Embree and evaluation':{width}}",
-          *(f"{sum(of[name] for name, _, counts in PHASES if counts):12.1%}" for of in found.values()))
+    for title, parts in EVALUATION.items():
+        print(f"{title:{width}}", *(f"{sum(of[name] for name in parts):12.1%}" for of in found.values()))
     if arguments.json:
         arguments.json.write_text(json.dumps({"machine": common.machine(), "shares": found}, indent=1) + "\n")
 

@@ -23,6 +23,7 @@ import common
 import compare
 import error_table
 import plan_gains
+from pass_shares import EVALUATION, PHASES
 from svg_plot import grid_of_plots, short
 
 PAGE = common.ROOT / "docs" / "benchmarks.md"
@@ -184,6 +185,23 @@ def show_beams(figures):
     return [common.machine_line(figures["machine"]) + ".", "", *figures["report"], "", *figures["splat"]]
 
 
+def run_shares():
+    MEASURED.mkdir(exist_ok=True)
+    script("pass_shares.py", "--json", MEASURED / "shares.json")
+
+
+def show_shares(figures):
+    scenes = figures["shares"]
+    lines = [common.machine_line(figures["machine"]) + ".", "",
+             "| phase | " + " | ".join(scenes) + " |", "|---|" + "---|" * len(scenes)]
+    for name, _ in PHASES:
+        lines.append(f"| {name} | " + " | ".join(f"{of[name]:.1%}" for of in scenes.values()) + " |")
+    for title, parts in EVALUATION.items():
+        lines.append(f"| **{title}** | " + " | ".join(f"**{sum(of[name] for name in parts):.0%}**"
+                                                      for of in scenes.values()) + " |")
+    return lines
+
+
 def run_techniques():
     rows = []
     for line in output_of("brume_volpath_techniques").splitlines()[1:]:
@@ -234,6 +252,7 @@ PARTS = {
     "plan": (run_plan, show_plan),
     "speed": (run_speed, show_speed),
     "beams": (run_beams, show_beams),
+    "shares": (run_shares, show_shares),
     "techniques": (run_techniques, show_techniques),
     "flights": (run_flights, show_flights),
 }

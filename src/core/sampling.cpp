@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/sampling.h"
 
+#include <algorithm>
+
 #include "core/error.h"
 #include "core/turns.h"
 
@@ -51,26 +53,39 @@ Vec2 sampleUniformTriangle(Vec2 u) {
   return {1.f - s, u.y * s};
 }
 
-Distribution1D::Distribution1D(std::span<const float> values)
-    : values_(values.begin(), values.end()), cdf_(values.size() + 1, 0.0) {
-  BRUME_CHECK(!values_.empty());
-  const double n = static_cast<double>(values_.size());
-  for (std::size_t i = 0; i < values_.size(); ++i) cdf_[i + 1] = cdf_[i] + values_[i] / n;
+namespace {
+/// So that a product of a float's digits and a number of cells is exact in double.
+constexpr std::size_t kMostCells = std::size_t{1} << 29;
+}  // namespace
+
+Distribution1D::Distribution1D(std::span<const float> values) : cdf_(values.size() + 1, 0.0) {
+  BRUME_CHECK(!values.empty() && values.size() < kMostCells);
+  const std::size_t size = values.size();
+  const auto n = static_cast<double>(size);
+  for (std::size_t i = 0; i < size; ++i) cdf_[i + 1] = cdf_[i] + values[i] / n;
   integral_ = cdf_.back();
-  if (!(integral_ > 0)) std::fill(values_.begin(), values_.end(), 1.f);
-  for (std::size_t i = 1; i < cdf_.size(); ++i)
+  for (std::size_t i = 1; i <= size; ++i)
     cdf_[i] = integral_ > 0 ? cdf_[i] / integral_ : static_cast<double>(i) / n;
+  guide_.reserve(size + 1);
+  std::size_t cell = 0;
+  for (std::size_t part = 0; part <= size; ++part) {
+    while (cell + 1 < size && cdf_[cell + 1] <= static_cast<double>(part) / n) ++cell;
+    guide_.push_back(static_cast<std::uint32_t>(cell));
+  }
+}
+
+std::size_t Distribution1D::cellAt(double u) const {
+  // u is at or after the beginning of its part: the product is exact.
+  const auto part = std::min(size() - 1, static_cast<std::size_t>(u * static_cast<double>(size())));
+  const auto first = cdf_.begin() + guide_[part], last = cdf_.begin() + guide_[part + 1] + 1;
+  return static_cast<std::size_t>(std::upper_bound(first + 1, last, u) - cdf_.begin() - 1);
 }
 
 Distribution1D::Sample Distribution1D::sample(float u) const {
-  // The last cell that begins at or before u and is not empty.
-  const auto it = std::upper_bound(cdf_.begin(), cdf_.end(), static_cast<double>(u));
-  const std::size_t last = values_.size() - 1;
-  std::size_t i =
-      std::min(last, static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, it - cdf_.begin() - 1)));
+  const std::size_t i = cellAt(std::clamp(double{u}, 0.0, 1.0));
   const double width = cdf_[i + 1] - cdf_[i];
   const double inCell = width > 0 ? (u - cdf_[i]) / width : 0.5;
-  const double n = static_cast<double>(values_.size());
+  const auto n = static_cast<double>(size());
   float x = static_cast<float>((static_cast<double>(i) + std::clamp(inCell, 0.0, 1.0)) / n);
   // Rounding must not carry x into the next cell, which may be empty.
   while (static_cast<std::size_t>(x * static_cast<float>(n)) > i) x = std::nextafter(x, 0.f);
@@ -78,9 +93,8 @@ Distribution1D::Sample Distribution1D::sample(float u) const {
 }
 
 float Distribution1D::pdf(float x) const {
-  const float n = static_cast<float>(values_.size());
-  const std::size_t i =
-      std::min(values_.size() - 1, static_cast<std::size_t>(std::max(0.f, x * n)));
+  const float n = static_cast<float>(size());
+  const std::size_t i = std::min(size() - 1, static_cast<std::size_t>(std::max(0.f, x * n)));
   return probability(i) * n;
 }
 

@@ -2,6 +2,7 @@
 // Warps of uniform random numbers and tabulated distributions.
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -51,13 +52,18 @@ class Distribution1D {
   float pdf(float x) const;
   /// Probability of cell i.
   float probability(std::size_t i) const;
-  std::size_t size() const { return values_.size(); }
+  std::size_t size() const { return guide_.empty() ? 0 : guide_.size() - 1; }
   double integral() const { return integral_; }
 
  private:
-  std::vector<float> values_;
+  /// The last cell that begins at or before u.
+  std::size_t cellAt(double u) const;
+
   std::vector<double> cdf_;  // size + 1
-  double integral_ = 0;      // of the density before normalisation, over [0, 1]
+  // For each of as many equal parts of [0, 1], and its end, the cell at its beginning: the search
+  // looks at a few neighbours instead of all (Chen, Asau 1974).
+  std::vector<std::uint32_t> guide_;
+  double integral_ = 0;  // of the density before normalisation, over [0, 1]
 };
 
 /// A piecewise constant density on the unit square; first coordinate along rows.

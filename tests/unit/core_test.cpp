@@ -160,6 +160,35 @@ TEST(Sampling, Distribution1DSamplesItsDensity) {
   EXPECT_FLOAT_EQ(zero.pdf(.5f), 1.f);
 }
 
+/// The guide only shortens the search: every number finds the cell that a plain search finds.
+TEST(Sampling, Distribution1DFindsTheCellOfAPlainSearch) {
+  Rng rng(11);
+  for (const std::size_t size : {1, 2, 7, 64, 1000})
+    for (const float empty : {0.f, .5f, .99f, 1.f}) {
+      SCOPED_TRACE(size);
+      std::vector<float> values(size);
+      for (float& v : values) v = rng.uniform() < empty ? 0.f : std::exp(12 * rng.uniform());
+      const Distribution1D d(values);
+      std::vector<double> cdf(size + 1);
+      for (std::size_t i = 0; i < size; ++i)
+        cdf[i + 1] = cdf[i] + values[i] / static_cast<double>(size);
+      for (std::size_t i = 1; i <= size; ++i)
+        cdf[i] = d.integral() > 0 ? cdf[i] / d.integral()
+                                  : static_cast<double>(i) / static_cast<double>(size);
+      for (int k = 0; k < 3000; ++k) {
+        // Random ones, and those next to the borders of cells and of equal parts.
+        float u = rng.uniform();
+        const std::size_t at = rng.below(static_cast<std::uint32_t>(size));
+        if (k % 3 == 1) u = static_cast<float>(cdf[at]);
+        if (k % 3 == 2) u = static_cast<float>(at) / static_cast<float>(size);
+        u = std::min(u, kOneMinusEpsilon);
+        const auto after = std::upper_bound(cdf.begin(), cdf.end(), double{u});
+        ASSERT_EQ(d.sample(u).index,
+                  std::min(size - 1, static_cast<std::size_t>(after - cdf.begin() - 1)));
+      }
+    }
+}
+
 TEST(Sampling, Distribution2DIntegratesToOne) {
   std::vector<float> values(32 * 16);
   Rng rng(3);
