@@ -3,6 +3,7 @@
 // counts, so that the density may vary with z as it likes.
 #pragma once
 
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,7 @@ struct PhaseCase {
   std::string params;
   AnglePhase phase;
 };
+inline void PrintTo(const PhaseCase& c, std::ostream* out) { *out << c.name; }
 /// Every phase function, and mixtures of them.
 std::vector<PhaseCase> phaseCases();
 PhaseCase henyeyGreensteinCase(double g);

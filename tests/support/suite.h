@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,7 @@ struct Method {
   /// Half-width of the slabs, in their thickness: infinite, for a method that can look at a spot.
   double slabExtent = 1e4;
 };
+inline void PrintTo(const Method& method, std::ostream* out) { *out << method.name; }
 /// One row for each integrator that claims to find all light in media.
 const std::vector<Method>& judgedMethods();
 

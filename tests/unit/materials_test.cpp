@@ -14,6 +14,7 @@ struct Case {
   const char* material;
   std::vector<Param> params;
 };
+void PrintTo(const Case& c, std::ostream* out) { *out << c.label; }
 
 /// Two materials to mix.
 NamedMaterials& mixable() {
@@ -180,6 +181,7 @@ struct RangeCase {
   bool isColor;
   float lo, hi, below, above;  ///< ends of the range and values outside; NaN: there are none
 };
+void PrintTo(const RangeCase& c, std::ostream* out) { *out << c.material << ' ' << c.param; }
 constexpr float kMax = std::numeric_limits<float>::max();
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 constexpr float kDenormal = std::numeric_limits<float>::denorm_min();
