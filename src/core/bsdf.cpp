@@ -68,6 +68,17 @@ Rgb Bsdf::f(const Vec3& wo, const Vec3& wi, LobeFlags accepted) const {
   return sum;
 }
 
+std::optional<Rgb> Bsdf::constantReflection(LobeFlags accepted) const {
+  Rgb sum;
+  for (int k = 0; k < count_; ++k) {
+    const Lobe& l = lobe(k);
+    if (!l.matches(accepted)) continue;
+    if (!l.isConstant() || !(l.flags() & kReflection)) return std::nullopt;
+    sum += scale_[k] * l.f({}, {});
+  }
+  return sum;
+}
+
 Bsdf::Choice Bsdf::choiceOf(const Vec3& wo, LobeFlags accepted) const {
   Choice choice;
   for (int k = 0; k < count_; ++k)

@@ -57,6 +57,8 @@ class Lobe {
   virtual BsdfValue evaluate(const Vec3& wo, const Vec3& wi) const {
     return {f(wo, wi), pdf(wo, wi)};
   }
+  /// Whether f is the same for all pairs of directions.
+  virtual bool isConstant() const { return false; }
   /// About the share of the light from wo that it scatters, for the choice between lobes where some
   /// are specular.
   virtual float weight(const Vec3& /*wo*/) const { return 1; }
@@ -126,6 +128,9 @@ class Bsdf {
   /// Sum of the accepted lobes [1/sr]. Whether wi reflects or transmits is decided with the
   /// geometric normal (Veach 5.3).
   Rgb f(const Vec3& wo, const Vec3& wi, LobeFlags accepted = kAllLobes) const;
+  /// What f() says of each wi on the side of wo where the accepted lobes are constant and reflect:
+  /// then it is 0 on the other side. None: they are not.
+  std::optional<Rgb> constantReflection(LobeFlags accepted) const;
   /// Picks one of the matching lobes with uLobe, uniformly, or by their weights where some are
   /// specular (glass reflects by its Fresnel term, and no path through it gains power); pdf is
   /// their mean; f the sum over all non-specular matching ones, or the chosen specular lobe alone.

@@ -89,6 +89,7 @@ class LambertLobe final : public Lobe {
   explicit LambertLobe(const Rgb& reflectance)
       : Lobe(kReflection | kDiffuse), f_(reflectance * kInvPi) {}
   Rgb f(const Vec3&, const Vec3&) const override { return f_; }
+  bool isConstant() const override { return true; }
   BsdfValue evaluate(const Vec3& wo, const Vec3& wi) const override {
     return {f_, sameHemisphere(wo, wi) ? absCosTheta(wi) * kInvPi : 0.f};
   }

@@ -114,12 +114,22 @@ namespace {
 /// From here on (cosine) two normals are one, but for the rounding of the photon's.
 constexpr float kSamePlane = 0.99999f;
 
+/// Whether two directions are on the same side of a plane, neither in it.
+bool areOnOneSide(float cosineA, float cosineB) {
+  return cosineA > 0 ? cosineB > 0 : cosineA < 0 && cosineB < 0;
+}
+
 /// f alpha with the cosines, as a function of the photon: its power is counted per area of the
 /// surface where it lies, which on a curved object is not the one of `at`.
 auto scatteredBy(const SurfaceInteraction& at, const Bsdf& bsdf) {
-  return [&](const Photon& photon, const auto& directions) -> Rgb {
+  return [&, constant = bsdf.constantReflection(kNonSpecular),
+          cosineOut = dot(at.wo, bsdf.geometricNormal())](const Photon& photon,
+                                                          const auto& directions) -> Rgb {
     const Vec3 &wi = directions.wi, &n = directions.n;
-    const Rgb f = bsdf.f(at.wo, wi, kNonSpecular);
+    const auto constantAt = [&] {
+      return areOnOneSide(cosineOut, dot(wi, bsdf.geometricNormal())) ? *constant : Rgb();
+    };
+    const Rgb f = constant ? constantAt() : bsdf.f(at.wo, wi, kNonSpecular);
     const float geometric = absDot(wi, dot(n, at.n) > kSamePlane ? at.n : n);
     if (f.isBlack() || !(geometric > 0)) return {};
     return f * photon.power * (absDot(wi, bsdf.shadingNormal()) / geometric);

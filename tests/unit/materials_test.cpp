@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "core/rng.h"
+#include "core/sampling.h"
 #include "support/bsdf_checks.h"
 
 namespace brume::test {
@@ -139,6 +140,26 @@ TEST_P(EveryMaterial, TellsWhichLobesItHas) {
   EXPECT_LE(bsdf_.lobeCount(), material_->maxLobes());
   EXPECT_EQ(bsdf_.countMatching(kNonSpecular) > 0, material_->hasNonSpecular());
   EXPECT_EQ(bsdf_.countMatching(kNonSpecular) < bsdf_.lobeCount(), material_->hasSpecular());
+}
+
+TEST_P(EveryMaterial, ConstantReflectionIsWhatFSays) {
+  const auto constant = bsdf_.constantReflection(kNonSpecular);
+  const std::string name = GetParam().label;
+  if (name.starts_with("matte")) {
+    EXPECT_TRUE(constant);
+  }
+  if (name.starts_with("oren") || name.starts_with("translucent")) {
+    EXPECT_FALSE(constant);
+  }
+  if (!constant) return;
+  Rng rng(9);
+  for (const Vec3& wo : wos_)
+    for (int i = 0; i < 50; ++i) {
+      const Vec3 wi = sampleUniformSphere(rng.uniform2());
+      const Vec3& ng = bsdf_.geometricNormal();
+      const bool reflects = (dot(wi, ng) > 0) == (dot(wo, ng) > 0);
+      EXPECT_EQ(bsdf_.f(wo, wi, kNonSpecular), reflects ? *constant : Rgb());
+    }
 }
 
 TEST_P(EveryMaterial, IsFiniteAtGrazingAngles) {
