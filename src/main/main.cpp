@@ -82,8 +82,8 @@ int run(const ShowText& show) {
 
 /// Arrays of this size come from the system and go back to it. Left alone, glibc raises the size
 /// after the first of them is freed; later ones then leave holes, and the peak of many passes
-/// creeps up by some percent. What is smaller stays with the process: every pass needs it again, and
-/// to fault its pages in anew took a twelfth of a pass.
+/// creeps up by some percent. What is smaller stays with the process: every pass needs it again,
+/// and to fault its pages in anew took a twelfth of a pass.
 constexpr int kLargeArray = 256 << 10;
 
 void keepMemoryFlat() {
