@@ -12,7 +12,9 @@
 namespace brume {
 namespace {
 
-constexpr std::int64_t kMinPassesOfGroup = 4;
+/// Two runs (groupOf): the radii of one alone hardly differ, but in the group that has the first
+/// passes, and what then looks like blur may be one bright path.
+constexpr std::int64_t kMinPassesOfGroup = 2 * std::int64_t{Film::kPassesPerSample};
 constexpr double kBeyondDoubt = 5;  // standard errors
 constexpr double kWorthIt = 0.9, kLeastFactor = 0.5;
 constexpr double kLeastSpread = 1e-9;  // of squared radii, relative to their squares

@@ -119,6 +119,9 @@ TEST(BlurMonitor, TellsTheVarianceOfTheMean) {
 
 TEST(BlurMonitor, SaysNothingWithoutPassesOrWhereTheRadiusStays) {
   EXPECT_FALSE((Passes{.own = 0.1}.run(20, 1).estimate(BlurMonitor::Beams)));
+  // Two runs of passes for each group: one has hardly any change of the radius.
+  EXPECT_FALSE((Passes{.own = 0.1}.run(63, 1).estimate(BlurMonitor::Beams)));
+  EXPECT_TRUE((Passes{.own = 0.1}.run(64, 1).estimate(BlurMonitor::Beams)));
   EXPECT_FALSE((Passes{.own = 0.1, .alpha = 1}.run(100, 1).estimate(BlurMonitor::Beams)));
   EXPECT_FALSE((Passes{.own = 0.1}.run(100, 1).estimate(BlurMonitor::Surfaces)));
   EXPECT_TRUE((Passes{.own = 0.1}.run(100, 1).estimate(BlurMonitor::Beams)));
