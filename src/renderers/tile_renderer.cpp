@@ -71,6 +71,12 @@ class InOrder {
   std::exception_ptr failure_;
 };
 
+/// Of one pixel, where an average pixel has n. Only the first round may differ from pixel to pixel:
+/// a filter that reaches beyond its pixel would for ever see more of those with more samples.
+std::int64_t samplesBefore(std::int64_t n, std::int64_t firstRound, std::int64_t average) {
+  return n < average ? n * firstRound / average : firstRound + (n - average);
+}
+
 }  // namespace
 
 /// One tile in work, private to its thread.
@@ -139,10 +145,9 @@ void TileRenderer::renderPixel(Vec2i pixel, PixelSampler& pixelSampler, Tile& ti
                                const Run& run) const {
   const int perRound = pixelSampler.startPixel(pixel);
   if (parts_.sampler.isAdaptive()) return refinePixel(pixel, perRound, pixelSampler, tile);
-  // This pixel's share of the range, which counts samples of an average pixel.
   const std::int64_t average = parts_.sampler.samplesPerPixel();
-  const auto first = static_cast<int>(run.range.first * perRound / average);
-  const auto end = static_cast<int>(run.range.end * perRound / average);
+  const auto first = static_cast<int>(samplesBefore(run.range.first, perRound, average));
+  const auto end = static_cast<int>(samplesBefore(run.range.end, perRound, average));
   RenderContext context{pixelSampler, tile.stats};
   for (int i = first; i < end; ++i) {
     const TrackingKeyScope key(hashIntegers(parts_.seed, pixel.x, pixel.y, i));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "renderers/tile_renderer.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -9,6 +10,7 @@
 
 #include "core/parallel.h"
 #include "renderers/pass_loop.h"
+#include "support/render_text.h"
 #include "support/synthetic_image.h"
 
 namespace brume {
@@ -71,6 +73,26 @@ TEST(TileRenderer, SameBitsForAnyNumberOfThreads) {
   const auto one = image(1);
   EXPECT_EQ(one, image(2));
   EXPECT_EQ(one, image(7));
+}
+
+/// Pixels of an uneven pattern differ in one round, not in all.
+TEST(TileRenderer, PixelsOfALongRenderGetAsManySamples) {
+  constexpr int kPerPixel = 4, kRounds = 32;
+  RenderSettings settings;
+  settings.variance = true;
+  settings.passes = kRounds;
+  const RenderResult result = renderText(
+      fmt::format("Film \"image\" \"integer xresolution\" 24 \"integer yresolution\" 16 "
+                  "PixelFilter \"box\"\n"
+                  "Sampler \"bestcandidate\" \"integer pixelsamples\" {}\nWorldBegin\nWorldEnd\n",
+                  kPerPixel),
+      settings);
+  std::set<float> counts;
+  for (const float n : result.image.channels.at("samples")) {
+    EXPECT_NEAR(n, kPerPixel * kRounds, kPerPixel);
+    counts.insert(n);
+  }
+  EXPECT_GT(counts.size(), 1u);
 }
 
 TEST(TileRenderer, EverySampleFallsOnce) {
