@@ -41,8 +41,8 @@ class SampleStream {
 /// (seed, pixel, index) only.
 class PixelSampler : public SampleStream {
  public:
-  /// Moves to a pixel. Returns the number of samples in it per round of samplesPerPixel
-  /// (bestcandidate: differs per pixel).
+  /// Moves to a pixel. Returns the number of its samples in the first round of samplesPerPixel
+  /// (bestcandidate: differs per pixel; further rounds have samplesPerPixel).
   virtual int startPixel(Vec2i pixel) = 0;
   /// Moves to a sample of this pixel; index may exceed the number given by startPixel: the sequence
   /// goes on.

@@ -52,7 +52,7 @@ class Distribution1D {
   float pdf(float x) const;
   /// Probability of cell i.
   float probability(std::size_t i) const;
-  std::size_t size() const { return guide_.empty() ? 0 : guide_.size() - 1; }
+  std::size_t size() const { return cdf_.empty() ? 0 : cdf_.size() - 1; }
   double integral() const { return integral_; }
 
  private:
