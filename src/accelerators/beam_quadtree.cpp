@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <bit>
 #include <limits>
-#include <numeric>
 
 #include "accelerators/beam_order.h"
+#include "core/counting_sort.h"
 #include "core/error.h"
 #include "core/lanes_math.h"
 #include "core/parallel.h"
@@ -67,15 +67,20 @@ struct PlacesByTile {
 };
 
 PlacesByTile sortPlaces(const std::vector<std::vector<Place>>& chunks, std::size_t tileCount) {
+  std::size_t count = 0;
+  for (const auto& chunk : chunks) count += chunk.size();
   PlacesByTile sorted;
-  sorted.begin.assign(tileCount + 1, 0);
-  for (const auto& chunk : chunks)
-    for (const Place& place : chunk) ++sorted.begin[place.tile + 1];
-  std::partial_sum(sorted.begin.begin(), sorted.begin.end(), sorted.begin.begin());
-  sorted.photons.resize(sorted.begin.back());
-  std::vector<std::uint32_t> next(sorted.begin.begin(), sorted.begin.end() - 1);
-  for (const auto& chunk : chunks)
-    for (const Place& place : chunk) sorted.photons[next[place.tile]++] = place.photon;
+  sorted.photons.resize(count);
+  const std::size_t groups = sortGroups(count, tileCount, chunks.size());
+  sorted.begin = countingSort(
+      groups, tileCount,
+      [&](std::size_t group, const auto& f) {
+        const auto [first, end] = groupRange(group, groups, chunks.size());
+        for (std::size_t i = first; i < end; ++i)
+          for (const Place& place : chunks[i]) f(place);
+      },
+      [](const Place& place) { return place.tile; },
+      [&](const Place& place, std::uint32_t at) { sorted.photons[at] = place.photon; });
   return sorted;
 }
 

@@ -26,9 +26,14 @@ struct VolumePhotonOptions {
 /// The photons of a pass as beams need them, in an order in which neighbours are near each other.
 class VolumePhotons {
  public:
-  /// Takes the volume photons among the given ones.
+  VolumePhotons() = default;
   VolumePhotons(const Volume& volume, std::span<const Photon> photons,
-                const VolumePhotonOptions& options = {});
+                const VolumePhotonOptions& options = {}) {
+    assign(volume, photons, options);
+  }
+  /// Takes the volume photons among the given ones instead of those it has; memory is used again.
+  void assign(const Volume& volume, std::span<const Photon> photons,
+              const VolumePhotonOptions& options = {});
 
   std::span<const BeamPhoton> all() const { return photons_; }
   /// What BeamPhoton::lobesBegin counts in.
@@ -40,10 +45,31 @@ class VolumePhotons {
   PhotonPositions positions() const { return {all(), &BeamPhoton::p}; }
 
  private:
+  /// A photon's place along a space-filling curve.
+  struct Place {
+    std::uint32_t code;
+    std::uint32_t photon;  // or, from their number on, mirror image
+  };
+  struct MirrorImage {
+    std::uint32_t photon;
+    Vec3 p;
+    Rgb share;  // of the photon's power
+  };
+  struct Placed;
+  struct Part;
+
+  std::vector<Placed> placesOf(const Volume& volume, std::span<const Photon> photons,
+                               const VolumePhotonOptions& options) const;
+  void sort(std::span<const Placed> parts, std::size_t photonCount);
+  void fill(const Volume& volume, std::span<const Photon> photons);
+
   std::vector<BeamPhoton> photons_;
   std::vector<BeamLobe> lobes_;
   bool haveLobes_ = true;
   std::size_t outside_ = 0;
+  // Kept for their memory.
+  std::vector<Place> order_, other_;
+  std::vector<MirrorImage> images_;
 };
 
 /// The beam radiance estimate of every beam:

@@ -12,6 +12,7 @@
 #include "core/material.h"
 #include "core/medium_along_ray.h"
 #include "core/parallel.h"
+#include "core/reuse.h"
 #include "transport/aimed_scattering.h"
 
 namespace brume {
@@ -376,10 +377,14 @@ std::optional<std::vector<float>> PhotonTracer::learnShares(std::uint64_t seed, 
 }
 
 PhotonSet PhotonTracer::trace(std::uint64_t seed, std::uint64_t pass, const PathsPerClass& paths,
-                              const std::atomic<bool>& stop, Stats& stats) const {
-  PhotonSet set;
+                              const std::atomic<bool>& stop, Stats& stats, PhotonSet old) const {
+  PhotonSet set = std::move(old);
   set.paths = paths;
-  if (!hasLights()) return set;
+  set.isComplete = true;
+  if (!hasLights()) {
+    set.photons.clear();
+    return set;
+  }
   const auto count = static_cast<std::int64_t>(*std::max_element(paths.begin(), paths.end()));
   const auto chunks = static_cast<std::size_t>((count + kChunk - 1) / kChunk);
   const PassRandom random(seed, pass);
@@ -389,6 +394,7 @@ PhotonSet PhotonTracer::trace(std::uint64_t seed, std::uint64_t pass, const Path
 
   struct Chunk {
     std::vector<Photon> photons;
+    std::size_t before = 0;  // photons of the chunks before it
     Stats stats;
   };
   std::vector<Chunk> parts(chunks);
@@ -405,13 +411,23 @@ PhotonSet PhotonTracer::trace(std::uint64_t seed, std::uint64_t pass, const Path
   if (!set.isComplete) return set;
 
   std::size_t total = 0;
-  for (const Chunk& part : parts) total += part.photons.size();
-  set.photons.reserve(total);
   for (Chunk& part : parts) {
-    set.photons.insert(set.photons.end(), part.photons.begin(), part.photons.end());
-    part.photons = {};
+    part.before = total;
+    total += part.photons.size();
     stats.merge(part.stats);
   }
+  resizeForReuse(set.photons, total);
+  constexpr std::int64_t kMovedAtOnce = 64;  // chunks
+  forEachChunk(static_cast<std::int64_t>(chunks), kMovedAtOnce,
+               [&](std::int64_t begin, std::int64_t end, std::int64_t) {
+                 for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end);
+                      ++i) {
+                   Chunk& part = parts[i];
+                   std::copy(part.photons.begin(), part.photons.end(),
+                             set.photons.begin() + static_cast<std::ptrdiff_t>(part.before));
+                   part.photons = {};
+                 }
+               });
   stats.add(Stat::PhotonsStored, total);
   return set;
 }

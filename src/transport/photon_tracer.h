@@ -62,9 +62,9 @@ class PhotonTracer {
   /// Whether any light sends photons.
   bool hasLights() const { return !sources_.isEmpty(); }
 
-  /// The paths [0, paths of the class) of a pass, in parallel.
+  /// The paths [0, paths of the class) of a pass, in parallel. The memory of `old` is used again.
   PhotonSet trace(std::uint64_t seed, std::uint64_t pass, const PathsPerClass& paths,
-                  const std::atomic<bool>& stop, Stats& stats) const;
+                  const std::atomic<bool>& stop, Stats& stats, PhotonSet old = {}) const;
 
   /// What a path does for the image, squared, from its deposits, whose powers are as if it were the
   /// only path. Called in parallel.

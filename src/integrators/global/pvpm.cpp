@@ -135,7 +135,7 @@ class Pvpm final : public PassGlobalIntegrator {
                  const CameraBeamOptions& options);
   void shrinkPixelRadii(const OwnedBeams& beams, std::span<const BeamSum> sums);
   PhotonSet tracePhotons(std::uint64_t seed, std::uint64_t pass, int paths,
-                         const std::atomic<bool>& stop, Stats& stats) const;
+                         const std::atomic<bool>& stop, Stats& stats, PhotonSet old = {}) const;
   void gather(const OwnedBeams& beams, const VolumePhotons& photons, const Bounds2i* image,
               CameraBeams& to, Stats& stats);
   std::unique_ptr<BeamLookup> makeLookup(const OwnedBeams& beams, const Bounds2i* image) const;
@@ -153,6 +153,9 @@ class Pvpm final : public PassGlobalIntegrator {
   std::optional<BlurMonitor> monitor_;
   std::vector<CountedRadius> countedRadii_;  // of each pixel, schedule "beam"
   std::vector<float> pixelRadii_;            // their present values
+  // Of the present pass; members for their memory.
+  PhotonSet traced_;
+  VolumePhotons inMedium_;
 };
 
 void Pvpm::describe(Plan& plan) const {
@@ -201,11 +204,11 @@ void Pvpm::describeView(Plan& plan, const Camera& camera, const Film& film) cons
 }
 
 PhotonSet Pvpm::tracePhotons(std::uint64_t seed, std::uint64_t pass, int count,
-                             const std::atomic<bool>& stop, Stats& stats) const {
+                             const std::atomic<bool>& stop, Stats& stats, PhotonSet old) const {
   PathsPerClass paths{};
   for (std::size_t c = 0; c < kPhotonClasses; ++c)
     if (wanted_.contains(static_cast<PhotonClass>(c))) paths[c] = static_cast<std::uint64_t>(count);
-  return tracer_->trace(seed, pass, paths, stop, stats);
+  return tracer_->trace(seed, pass, paths, stop, stats, std::move(old));
 }
 
 /// Photons from a file, or the first pass's to a file.
@@ -388,12 +391,12 @@ bool Pvpm::renderPass(const PassContext& context, const std::function<void(doubl
   if (context.pass == 0) chooseRadii(context);
   const std::optional<float> moment = momentOf(context);
   // Photons first, so that visible points gather them at once and need not be kept.
-  const PhotonSet traced =
-      kept_ ? PhotonSet{}
-            : tracePhotons(context.seed, static_cast<std::uint64_t>(context.pass),
-                           params_.photonsperpass, context.stop, context.stats);
-  if (!traced.isComplete) return false;
-  const std::vector<Photon>& photons = kept_ ? kept_->photons : traced.photons;
+  if (!kept_) {
+    traced_ = tracePhotons(context.seed, static_cast<std::uint64_t>(context.pass),
+                           params_.photonsperpass, context.stop, context.stats, std::move(traced_));
+    if (!traced_.isComplete) return false;
+  }
+  const std::vector<Photon>& photons = kept_ ? kept_->photons : traced_.photons;
   onShare(0.3);
 
   CameraBeamOptions options;
@@ -419,12 +422,12 @@ bool Pvpm::renderPass(const PassContext& context, const std::function<void(doubl
     const float largest = options.pixelRadii.empty() ? options.beamRadius
                                                      : *std::max_element(options.pixelRadii.begin(),
                                                                          options.pixelRadii.end());
-    const VolumePhotons inMedium(*scene_.volume(), photons, {reach, largest});
-    if (context.pass == 0 && inMedium.outsideCount() > 0)
+    inMedium_.assign(*scene_.volume(), photons, {reach, largest});
+    if (context.pass == 0 && inMedium_.outsideCount() > 0)
       context.log.verbose(fmt::format("pvpm: {} photons of the first pass lie outside of all beams",
-                                      inMedium.outsideCount()));
-    gather(camera.primary, inMedium, &camera.pixels, camera, context.stats);
-    gather(camera.secondary, inMedium, nullptr, camera, context.stats);
+                                      inMedium_.outsideCount()));
+    gather(camera.primary, inMedium_, &camera.pixels, camera, context.stats);
+    gather(camera.secondary, inMedium_, nullptr, camera, context.stats);
     if (context.stop.load(std::memory_order_relaxed)) return false;
   }
   watchBlur(context, camera, options);
