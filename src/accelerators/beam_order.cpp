@@ -4,6 +4,8 @@
 #include <bit>
 #include <numeric>
 
+#include "accelerators/kd_order.h"
+#include "accelerators/photon_kdtree.h"
 #include "core/error.h"
 
 namespace brume {
@@ -55,29 +57,6 @@ bool areCrowded(const BeamCells& cells) {
 
 Vec3 middleOf(const Beam& beam) { return beam.o + (0.5f * (beam.t0 + beam.t1)) * beam.d; }
 
-/// Halves the range [begin, end) at a multiple of whole cells, by the widest axis of its middles,
-/// until it is one cell.
-void halve(std::vector<std::uint32_t>& order, const std::vector<Vec3>& middles, std::size_t begin,
-           std::size_t end) {
-  if (end - begin <= kCellSize) return;
-  Bounds3 box;
-  for (std::size_t i = begin; i < end; ++i) box.extend(middles[order[i]]);
-  const Vec3 size = box.diagonal();
-  const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-  // The lower half gets a power of two of cells: subtrees are full but for the last.
-  const std::size_t cells = (end - begin + kCellSize - 1) / kCellSize;
-  const std::size_t lower = std::bit_ceil(cells) / 2 * kCellSize;
-  const auto first = order.begin() + static_cast<std::ptrdiff_t>(begin);
-  std::nth_element(first, first + static_cast<std::ptrdiff_t>(lower),
-                   order.begin() + static_cast<std::ptrdiff_t>(end),
-                   [&](std::uint32_t a, std::uint32_t b) {
-                     const float x = middles[a][axis], y = middles[b][axis];
-                     return x != y ? x < y : a < b;
-                   });
-  halve(order, middles, begin, begin + lower);
-  halve(order, middles, begin + lower, end);
-}
-
 }  // namespace
 
 std::uint64_t mortonIndex(std::uint32_t x, std::uint32_t y, int xBits, int yBits) {
@@ -114,12 +93,15 @@ BeamCells cellsOnImage(std::span<const Beam> beams, Vec2i resolution) {
 
 BeamCells cellsInSpace(std::span<const Beam> beams) {
   BeamCells cells;
-  std::vector<Vec3> middles(beams.size());
+  std::vector<std::uint32_t> used;
+  std::vector<Vec3> middles;
   for (std::size_t i = 0; i < beams.size(); ++i) {
-    middles[i] = middleOf(beams[i]);
-    if (!beams[i].isEmpty()) cells.order.push_back(static_cast<std::uint32_t>(i));
+    if (beams[i].isEmpty()) continue;
+    used.push_back(static_cast<std::uint32_t>(i));
+    middles.push_back(middleOf(beams[i]));
   }
-  halve(cells.order, middles, 0, cells.order.size());
+  cells.order = kdOrder(std::span<const Vec3>(middles));
+  for (std::uint32_t& beam : cells.order) beam = used[beam];
   for (std::size_t i = 0; i < cells.order.size(); i += kCellSize)
     cells.begin.push_back(static_cast<std::uint32_t>(i));
   cells.begin.push_back(static_cast<std::uint32_t>(cells.order.size()));
