@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
-#include <limits>
 #include <string>
-
-#ifdef __GLIBC__
-#include <malloc.h>
-#endif
 
 #include "core/parallel.h"
 #include "main/command_line.h"
 #include "main/failure.h"
+#include "main/process_memory.h"
 #include "main/render_command.h"
 #include "main/signals.h"
 
@@ -78,19 +74,6 @@ int run(const BenchCommand& command) {
 int run(const ShowText& show) {
   printResult(show.text);
   return kExitDone;
-}
-
-/// Arrays of this size come from the system and go back to it. Left alone, glibc raises the size
-/// after the first of them is freed; later ones then leave holes, and the peak of many passes
-/// creeps up by some percent. What is smaller stays with the process: every pass needs it again,
-/// and to fault its pages in anew took a twelfth of a pass.
-constexpr int kLargeArray = 256 << 10;
-
-void keepMemoryFlat() {
-#ifdef __GLIBC__
-  mallopt(M_MMAP_THRESHOLD, kLargeArray);
-  mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
-#endif
 }
 
 }  // namespace

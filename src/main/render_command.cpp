@@ -2,7 +2,6 @@
 #include "main/render_command.h"
 
 #include <fmt/format.h>
-#include <sys/resource.h>
 
 #include <algorithm>
 #include <chrono>
@@ -14,6 +13,7 @@
 #include "core/parallel.h"
 #include "core/parse/scene_description.h"
 #include "main/failure.h"
+#include "main/process_memory.h"
 #include "main/progress.h"
 #include "main/signals.h"
 #include "tools/json_report.h"
@@ -38,12 +38,6 @@ class Stopwatch {
  private:
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
-
-std::uint64_t peakMemory() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return std::uint64_t(usage.ru_maxrss) * 1024;  // Linux counts in KiB
-}
 
 /// A progressive render leaves its first image after this time, the next ones at growing intervals.
 constexpr double kSecondsToFirstImage = 2;
@@ -168,6 +162,7 @@ void RenderRun::render(RenderJob& job, FrameReport report) {
     const auto refresh = [&](const RenderResult& soFar) {
       if (soFar.seconds < nextRefresh) return;
       writeOutput(film.filename, soFar, film.precision);
+      returnFreeMemory();
       nextRefresh = kSnapshotGrowth * soFar.seconds;
     };
     return job.run(signals.stop(), show, refresh, rescue);

@@ -161,31 +161,31 @@ std::vector<VolumePhotons::Placed> VolumePhotons::placesOf(
   const Vec3 scale = Vec3(1) / max(bounds.diagonal(), Vec3(std::numeric_limits<float>::min()));
   const PhotonMirror mirror(volume);
   std::vector<Placed> parts(chunksOf(photons.size()));
-  forEachChunk(
-      static_cast<std::int64_t>(photons.size()), kAtOnce,
-      [&](std::int64_t begin, std::int64_t end, std::int64_t chunk) {
-        Placed& part = parts[static_cast<std::size_t>(chunk)];
-        part.places.reserve(static_cast<std::size_t>(end - begin));
-        const auto putAt = [&](const Vec3& p, std::size_t index) {
-          part.places.push_back(
-              {mortonCode((p - bounds.lo) * scale), static_cast<std::uint32_t>(index)});
-        };
-        for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
-          const Photon& photon = photons[i];
-          if (photon.isOnSurface()) continue;
-          if (options.reach.contains(photon.p))
-            putAt(photon.p, i);
-          else
-            ++part.outside;
-          if (options.mirrorRadius > 0)
-            mirror.forEachImage(photon.p, options.mirrorRadius,
-                                [&](const Vec3& p, const Rgb& share) {
-                                  if (!options.reach.contains(p)) return;
-                                  putAt(p, photons.size() + part.images.size());
-                                  part.images.push_back({static_cast<std::uint32_t>(i), p, share});
-                                });
-        }
-      });
+  forEachChunk(static_cast<std::int64_t>(photons.size()), kAtOnce,
+               [&](std::int64_t begin, std::int64_t end, std::int64_t chunk) {
+                 Placed& part = parts[static_cast<std::size_t>(chunk)];
+                 part.places.reserve(static_cast<std::size_t>(end - begin));
+                 const auto putAt = [&](const Vec3& p, std::size_t index) {
+                   part.places.push_back(
+                       {mortonCode((p - bounds.lo) * scale), static_cast<std::uint32_t>(index)});
+                 };
+                 for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end);
+                      ++i) {
+                   const Photon& photon = photons[i];
+                   if (photon.isOnSurface()) continue;
+                   if (options.reach.contains(photon.p))
+                     putAt(photon.p, i);
+                   else
+                     ++part.outside;
+                   if (options.mirrorRadius > 0)
+                     mirror.forEachImage(
+                         photon.p, options.mirrorRadius, [&](const Vec3& p, const Rgb& share) {
+                           if (!options.reach.contains(p)) return;
+                           putAt(p, photons.size() + part.images.size());
+                           part.images.push_back({static_cast<std::uint32_t>(i), p, share});
+                         });
+                 }
+               });
   return parts;
 }
 
@@ -286,8 +286,11 @@ Rgb scatteredPower(const VolumePhotons& photons, const BeamPhoton& photon) {
 }  // namespace
 
 std::vector<BeamSum> gatherBeams(const Volume& volume, const OwnedBeams& beams,
-                                 const BeamLookup& lookup, const VolumePhotons& photons) {
-  std::vector<BeamSum> sums(beams.beams.size());
+                                 const BeamLookup& lookup, const VolumePhotons& photons,
+                                 std::vector<BeamSum> old) {
+  std::vector<BeamSum> sums = std::move(old);
+  resizeForReuse(sums, beams.beams.size());
+  std::fill(sums.begin(), sums.end(), BeamSum{});
   if (const auto* tree = dynamic_cast<const BeamQuadtree*>(&lookup); tree && photons.haveLobes()) {
     if (const auto uniform = volume.uniform()) {
       gatherHomogeneous(*tree, photons.all(), uniform->coefficients.sigma_t(), sums);

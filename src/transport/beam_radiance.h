@@ -75,8 +75,9 @@ class VolumePhotons {
 /// The beam radiance estimate of every beam:
 ///   sum_{i: d_i < r} Tr(t0, t_i) albedo(x_i) f_p(w_i, w) alpha_i K2(d_i; r)     [W m^-2 sr^-1]
 /// A quadtree takes gatherHomogeneous or gatherInMedia, eight beams at a time; other lookups, and
-/// phase functions without lobes, go pair by pair.
+/// phase functions without lobes, go pair by pair. The memory of `old` is used again.
 std::vector<BeamSum> gatherBeams(const Volume& volume, const OwnedBeams& beams,
-                                 const BeamLookup& lookup, const VolumePhotons& photons);
+                                 const BeamLookup& lookup, const VolumePhotons& photons,
+                                 std::vector<BeamSum> old = {});
 
 }  // namespace brume

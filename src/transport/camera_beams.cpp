@@ -145,14 +145,14 @@ std::vector<TileBeams> tilesOf(const Bounds2i& all) {
 }  // namespace
 
 CameraBeams traceCameraBeams(const PassContext& context, const CameraPaths& paths,
-                             const CameraBeamOptions& options) {
-  CameraBeams result;
+                             const CameraBeamOptions& options, CameraBeams old) {
+  CameraBeams result = std::move(old);
   result.pixels = context.film.sampleBounds();
   std::vector<TileBeams> tiles = tilesOf(result.pixels);
   const auto area = static_cast<std::size_t>(result.pixels.area());
-  result.samples.resize(area);
-  if (options.wantsBeams) result.primary.resize(area);
-  if (options.monitor) result.probes.resize(options.monitor->probeCount());
+  resizeForReuse(result.samples, area);
+  result.primary.resize(options.wantsBeams ? area : 0);
+  result.probes.assign(options.monitor ? options.monitor->probeCount() : 0, {});
   forEachChunk(static_cast<std::int64_t>(tiles.size()), 1,
                [&](std::int64_t i, std::int64_t, std::int64_t) {
                  if (context.stop.load(std::memory_order_relaxed)) return;
@@ -163,13 +163,16 @@ CameraBeams traceCameraBeams(const PassContext& context, const CameraPaths& path
   // The beams of all tiles move together.
   std::size_t primary = 0, secondary = 0;
   for (const TileBeams& tile : tiles) secondary += tile.secondary.beams.size();
+  result.secondary.resize(secondary);
+  result.tiles.clear();
   result.tiles.reserve(tiles.size());
-  result.secondary.reserve(secondary);
+  secondary = 0;
   for (TileBeams& tile : tiles) {
     result.tiles.push_back({tile.pixels, tile.first, tile.first + tile.samples});
     result.primary.move(tile.first, tile.primary, primary);
     primary += tile.primary;
-    result.secondary.append(tile.secondary);
+    result.secondary.replace(secondary, tile.secondary);
+    secondary += tile.secondary.beams.size();
     context.stats.merge(tile.stats);
     tile.secondary = {};
   }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "accelerators/beam_lookup.h"
+#include "core/reuse.h"
 #include "transport/blur_monitor.h"
 #include "transport/camera_path.h"
 
@@ -26,13 +27,9 @@ struct BeamOwner {
 struct OwnedBeams {
   std::vector<Beam> beams;
   std::vector<BeamOwner> owners;
-  void reserve(std::size_t count) {
-    beams.reserve(count);
-    owners.reserve(count);
-  }
   void resize(std::size_t count) {
-    beams.resize(count);
-    owners.resize(count);
+    resizeForReuse(beams, count);
+    resizeForReuse(owners, count);
   }
   /// Moves `count` beams to a place before or at their own.
   void move(std::size_t from, std::size_t count, std::size_t to) {
@@ -42,9 +39,10 @@ struct OwnedBeams {
     std::copy_n(owners.begin() + static_cast<std::ptrdiff_t>(from), count,
                 owners.begin() + static_cast<std::ptrdiff_t>(to));
   }
-  void append(const OwnedBeams& o) {
-    beams.insert(beams.end(), o.beams.begin(), o.beams.end());
-    owners.insert(owners.end(), o.owners.begin(), o.owners.end());
+  /// Puts others in the place of its own ones from `to` on.
+  void replace(std::size_t to, const OwnedBeams& o) {
+    std::copy(o.beams.begin(), o.beams.end(), beams.begin() + static_cast<std::ptrdiff_t>(to));
+    std::copy(o.owners.begin(), o.owners.end(), owners.begin() + static_cast<std::ptrdiff_t>(to));
   }
 };
 
@@ -91,8 +89,8 @@ std::vector<ProbeLight> probeLight(const CameraBeams& beams);
 void addToFilm(const CameraBeams& beams, Film& film);
 
 /// Traces one camera path through every pixel, in parallel; its light is gathered by `paths` and
-/// from the surface photons. Empty samples when `stop` was set.
+/// from the surface photons. The memory of `old` is used again. Empty samples when `stop` was set.
 CameraBeams traceCameraBeams(const PassContext& context, const CameraPaths& paths,
-                             const CameraBeamOptions& options);
+                             const CameraBeamOptions& options, CameraBeams old = {});
 
 }  // namespace brume

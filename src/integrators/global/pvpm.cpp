@@ -155,7 +155,9 @@ class Pvpm final : public PassGlobalIntegrator {
   std::vector<float> pixelRadii_;            // their present values
   // Of the present pass; members for their memory.
   PhotonSet traced_;
+  CameraBeams camera_;
   VolumePhotons inMedium_;
+  std::vector<BeamSum> sums_;
 };
 
 void Pvpm::describe(Plan& plan) const {
@@ -301,14 +303,14 @@ std::unique_ptr<BeamLookup> Pvpm::makeLookup(const OwnedBeams& beams, const Boun
 void Pvpm::gather(const OwnedBeams& beams, const VolumePhotons& photons, const Bounds2i* image,
                   CameraBeams& to, Stats& stats) {
   if (beams.beams.empty()) return;
-  const std::vector<BeamSum> sums =
-      gatherBeams(*scene_.volume(), beams, *makeLookup(beams, image), photons);
-  for (std::size_t i = 0; i < sums.size(); ++i) {
+  sums_ =
+      gatherBeams(*scene_.volume(), beams, *makeLookup(beams, image), photons, std::move(sums_));
+  for (std::size_t i = 0; i < sums_.size(); ++i) {
     const BeamOwner& owner = beams.owners[i];
-    stats.add(Stat::PhotonBeamPairs, sums[i].count);
-    to.samples[owner.sample].L += owner.weight * stats.checkRadiance(toRgb(sums[i]));
+    stats.add(Stat::PhotonBeamPairs, sums_[i].count);
+    to.samples[owner.sample].L += owner.weight * stats.checkRadiance(toRgb(sums_[i]));
   }
-  shrinkPixelRadii(beams, sums);
+  shrinkPixelRadii(beams, sums_);
 }
 
 /// Sets the radii of a pass; those of the global schedule go on to the next one.
@@ -412,13 +414,13 @@ bool Pvpm::renderPass(const PassContext& context, const std::function<void(doubl
     options.surface = &*surface;
   }
   prepareRadii(context, options);
-  CameraBeams camera = traceCameraBeams(context, paths_, options);
-  if (camera.samples.empty()) return false;
+  camera_ = traceCameraBeams(context, paths_, options, std::move(camera_));
+  if (camera_.samples.empty()) return false;
   onShare(0.6);
 
   if (beamRadius_) {
-    Bounds3 reach = reachOf(camera.primary.beams);
-    reach.extend(reachOf(camera.secondary.beams));
+    Bounds3 reach = reachOf(camera_.primary.beams);
+    reach.extend(reachOf(camera_.secondary.beams));
     const float largest = options.pixelRadii.empty() ? options.beamRadius
                                                      : *std::max_element(options.pixelRadii.begin(),
                                                                          options.pixelRadii.end());
@@ -426,12 +428,12 @@ bool Pvpm::renderPass(const PassContext& context, const std::function<void(doubl
     if (context.pass == 0 && inMedium_.outsideCount() > 0)
       context.log.verbose(fmt::format("pvpm: {} photons of the first pass lie outside of all beams",
                                       inMedium_.outsideCount()));
-    gather(camera.primary, inMedium_, &camera.pixels, camera, context.stats);
-    gather(camera.secondary, inMedium_, nullptr, camera, context.stats);
+    gather(camera_.primary, inMedium_, &camera_.pixels, camera_, context.stats);
+    gather(camera_.secondary, inMedium_, nullptr, camera_, context.stats);
     if (context.stop.load(std::memory_order_relaxed)) return false;
   }
-  watchBlur(context, camera, options);
-  addToFilm(camera, context.film);
+  watchBlur(context, camera_, options);
+  addToFilm(camera_, context.film);
   return true;
 }
 
