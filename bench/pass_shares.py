@@ -30,7 +30,7 @@ PHASES = [
     ("photons on visible points", r"SurfacePhotonMap::radiance"),
     ("direct light on surfaces", r"estimateDirect|CameraPaths::direct"),
     ("tracing photons", r"PhotonTracer::trace\b|PhotonTracer::traceChunk"),
-    ("sorting photons", r"VolumePhotons::VolumePhotons|SurfacePhotonMap::SurfacePhotonMap|PhotonKdTree::PhotonKdTree"),
+    ("sorting photons", r"VolumePhotons::|SurfacePhotonMap::SurfacePhotonMap|PhotonKdTree::PhotonKdTree"),
     ("tree of beams", r"BeamQuadtree::BeamQuadtree|BeamQuadtree::build|placesOf"),
     ("camera paths", r"traceCameraBeams|traceTile|CameraPaths::"),
     ("the rest", r"Pvpm::renderPass"),
@@ -40,6 +40,9 @@ EVALUATION = {
     "Embree, beams and visible points": ["Embree", "photons on beams", "light along beams", "photons on visible points",
                                          "direct light on surfaces"],
 }
+# Frames of what runs in a parallel loop, on one thread as well.
+PARALLEL = re.compile(r"\bstart_for<|task_dispatcher|TBB_task")
+ALONE = "outside of parallel loops"
 MATCHERS = [(name, re.compile(pattern)) for name, pattern in PHASES]
 OUTSIDE = re.compile(r"firstRadii|learnShares")  # pilots, before the first pass
 
@@ -52,7 +55,7 @@ def phase_of(stack):
 
 
 def shares(scene, passes):
-    """Of the phases in the passes of one render, of 1."""
+    """Of the phases in the passes of one render, and of what no second thread could share; of 1."""
     with tempfile.TemporaryDirectory() as folder:
         data = pathlib.Path(folder) / "perf.data"
         subprocess.run(["perf", "record", "--quiet", "--call-graph", "dwarf,65528", "-F", "97", "-o", data,
@@ -61,12 +64,18 @@ def shares(scene, passes):
                        check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         script = subprocess.run(["perf", "script", "-i", data, "-F", "ip,sym,dso"], check=True, text=True,
                                 stdout=subprocess.PIPE, stderr=subprocess.DEVNULL).stdout
-    counts = collections.Counter(phase_of(sample.splitlines()) for sample in script.split("\n\n"))
-    counts.pop(None, None)
+    counts, alone = collections.Counter(), 0
+    for sample in script.split("\n\n"):
+        stack = sample.splitlines()
+        phase = phase_of(stack)
+        if phase is None:
+            continue
+        counts[phase] += 1
+        alone += not any(PARALLEL.search(frame) for frame in stack)
     samples = sum(counts.values())
     if samples == 0:
         sys.exit(f"{scene}: perf saw no pass")
-    return {name: counts[name] / samples for name, _ in PHASES}
+    return {name: counts[name] / samples for name, _ in PHASES} | {ALONE: alone / samples}
 
 
 def main():
@@ -84,6 +93,7 @@ def main():
         print(f"{name:{width}}", *(f"{of[name]:12.1%}" for of in found.values()))
     for title, parts in EVALUATION.items():
         print(f"{title:{width}}", *(f"{sum(of[name] for name in parts):12.1%}" for of in found.values()))
+    print(f"{ALONE:{width}}", *(f"{of[ALONE]:12.1%}" for of in found.values()))
     if arguments.json:
         arguments.json.write_text(json.dumps({"machine": common.machine(), "shares": found}, indent=1) + "\n")
 

@@ -168,7 +168,7 @@ void measure(const std::string& file, std::uint64_t paths) {
     double tracing = kInfinity, embree = kInfinity;
     for (int i = 0; i < repeats; ++i) {
       const double begin = processorSeconds();
-      set = tracer.trace(1, 0, perClass, stop, stats = {});
+      set = tracer.trace(1, 0, perClass, stop, stats = {}, std::move(set));
       tracing = std::min(tracing, processorSeconds() - begin);
       embree = std::min(embree, secondsOfEmbree());
     }

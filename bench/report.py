@@ -23,7 +23,7 @@ import common
 import compare
 import error_table
 import plan_gains
-from pass_shares import EVALUATION, PHASES
+from pass_shares import ALONE, EVALUATION, PHASES
 from svg_plot import grid_of_plots, short
 
 PAGE = common.ROOT / "docs" / "benchmarks.md"
@@ -199,6 +199,7 @@ def show_shares(figures):
     for title, parts in EVALUATION.items():
         lines.append(f"| **{title}** | " + " | ".join(f"**{sum(of[name] for name in parts):.0%}**"
                                                       for of in scenes.values()) + " |")
+    lines.append(f"| {ALONE} | " + " | ".join(f"{of[ALONE]:.1%}" for of in scenes.values()) + " |")
     return lines
 
 

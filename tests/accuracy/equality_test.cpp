@@ -86,7 +86,7 @@ class Equal : public testing::TestWithParam<EqualParam> {};
 
 TEST_P(Equal, LookTheSame) {
   const auto& [method, equal, form] = GetParam();
-  Goal goal = form == Form::Full ? Goal{0.002} : Goal{0.015, 1 << 18};
+  Goal goal = form == Form::Full ? Goal{0.002, 1 << 22} : Goal{0.015, 1 << 18};
   std::vector<Measurement> measured;
   for (const NamedMedium& scene : equal.scenes) {
     measured.push_back(measure(method, {equal.lookAt, scene.text}, goal));
