@@ -41,7 +41,8 @@ EVALUATION = {
                                          "direct light on surfaces"],
 }
 # Frames of what runs in a parallel loop, on one thread as well.
-PARALLEL = re.compile(r"\bstart_for<|task_dispatcher|TBB_task")
+PARALLEL = re.compile(r"start_for|task_dispatcher")
+PASS = re.compile(r"Pvpm::renderPass")
 ALONE = "outside of parallel loops"
 MATCHERS = [(name, re.compile(pattern)) for name, pattern in PHASES]
 OUTSIDE = re.compile(r"firstRadii|learnShares")  # pilots, before the first pass
@@ -64,18 +65,20 @@ def shares(scene, passes):
                        check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         script = subprocess.run(["perf", "script", "-i", data, "-F", "ip,sym,dso"], check=True, text=True,
                                 stdout=subprocess.PIPE, stderr=subprocess.DEVNULL).stdout
-    counts, alone = collections.Counter(), 0
+    counts, whole, alone = collections.Counter(), 0, 0
     for sample in script.split("\n\n"):
         stack = sample.splitlines()
         phase = phase_of(stack)
         if phase is None:
             continue
         counts[phase] += 1
-        alone += not any(PARALLEL.search(frame) for frame in stack)
+        if any(PASS.search(frame) for frame in stack):  # some stacks end early
+            whole += 1
+            alone += not any(PARALLEL.search(frame) for frame in stack)
     samples = sum(counts.values())
-    if samples == 0:
+    if whole == 0:
         sys.exit(f"{scene}: perf saw no pass")
-    return {name: counts[name] / samples for name, _ in PHASES} | {ALONE: alone / samples}
+    return {name: counts[name] / samples for name, _ in PHASES} | {ALONE: alone / whole}
 
 
 def main():
