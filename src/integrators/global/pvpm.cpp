@@ -19,6 +19,7 @@
 #include "transport/blur_monitor.h"
 #include "transport/camera_beams.h"
 #include "transport/first_radius.h"
+#include "transport/pass_balance.h"
 #include "transport/photon_maps.h"
 #include "transport/photon_store.h"
 #include "transport/photon_tracer.h"
@@ -56,7 +57,7 @@ class Pvpm final : public PassGlobalIntegrator {
  public:
   struct Params {
     int passes = 64;
-    int photonsperpass = 200'000;
+    std::optional<int> photonsperpass;
     std::optional<float> radius, surfaceradius;
     Schedule schedule = Schedule::Global;
     float alpha = 2.f / 3;
@@ -71,7 +72,8 @@ class Pvpm final : public PassGlobalIntegrator {
       v(passes, "passes", kPositiveInt, Unit::None,
         "passes, when neither --passes nor --time nor --error says");
       v(photonsperpass, "photonsperpass", Range<int>{1, 1 << 30}, Unit::None,
-        "light paths of a pass");
+        "light paths of a pass; by default as many as take about as long as its camera paths, "
+        "200000 for savephotons");
       v(radius, "radius", kPositive, Unit::Length,
         "of the beams in the first pass; by default in balance of noise and blur");
       v(surfaceradius, "surfaceradius", kPositive, Unit::Length,
@@ -99,6 +101,7 @@ class Pvpm final : public PassGlobalIntegrator {
   Pvpm(Params params, const FactoryContext& context)
       : params_(params),
         quick_(context.quick),
+        pathsPerPass_(params.photonsperpass.value_or(200'000)),
         scene_(*context.scene),
         wanted_(showableClasses(scene_, {1, 1, !params.directvolume, {}})),
         paths_(scene_, {params.maxbounces, true, params.directvolume}) {
@@ -127,14 +130,14 @@ class Pvpm final : public PassGlobalIntegrator {
 
  private:
   void keepPhotons(const PrepareContext& context);
-  void chooseRadii(const PassContext& context);
+  void choosePasses(const PassContext& context);
   void learnShares(const PassContext& context, const PhotonSet& pilot, const FirstRadii& radii);
   std::optional<float> momentOf(const PassContext& context);
   void prepareRadii(const PassContext& context, CameraBeamOptions& options);
   void watchBlur(const PassContext& context, const CameraBeams& camera,
                  const CameraBeamOptions& options);
   void shrinkPixelRadii(const OwnedBeams& beams, std::span<const BeamSum> sums);
-  PhotonSet tracePhotons(std::uint64_t seed, std::uint64_t pass, int paths,
+  PhotonSet tracePhotons(std::uint64_t seed, std::uint64_t pass, std::int64_t paths,
                          const std::atomic<bool>& stop, Stats& stats, PhotonSet old = {}) const;
   void gather(const OwnedBeams& beams, const VolumePhotons& photons, const Bounds2i* image,
               CameraBeams& to, Stats& stats);
@@ -142,6 +145,7 @@ class Pvpm final : public PassGlobalIntegrator {
 
   Params params_;
   bool quick_;  // --quick: a quarter of the passes
+  std::int64_t pathsPerPass_;
   const Scene& scene_;
   PhotonClasses wanted_;
   CameraPaths paths_;
@@ -205,7 +209,7 @@ void Pvpm::describeView(Plan& plan, const Camera& camera, const Film& film) cons
                          share * static_cast<double>(pixels.area()), pixels.area()));
 }
 
-PhotonSet Pvpm::tracePhotons(std::uint64_t seed, std::uint64_t pass, int count,
+PhotonSet Pvpm::tracePhotons(std::uint64_t seed, std::uint64_t pass, std::int64_t count,
                              const std::atomic<bool>& stop, Stats& stats, PhotonSet old) const {
   PathsPerClass paths{};
   for (std::size_t c = 0; c < kPhotonClasses; ++c)
@@ -218,31 +222,41 @@ void Pvpm::keepPhotons(const PrepareContext& context) {
   const PhotonFileParams& files = params_.files;
   if (files.loadphotons.empty() && files.savephotons.empty()) return;
   PhotonSet photons = loadOrTracePhotons(files, {{}, wanted_}, scene_, context, [&] {
-    return tracePhotons(context.seed, 0, params_.photonsperpass, context.stop, context.stats);
+    return tracePhotons(context.seed, 0, pathsPerPass_, context.stop, context.stats);
   });
   if (!files.loadphotons.empty() && photons.isComplete) kept_ = std::move(photons);
 }
 
-/// Radii that were not given, from a pilot pass of photons with random numbers of its own.
-void Pvpm::chooseRadii(const PassContext& context) {
+/// Radii and the number of light paths that were not given, from a pilot pass of photons with
+/// random numbers of its own.
+void Pvpm::choosePasses(const PassContext& context) {
   constexpr std::uint64_t kPilotPass = ~std::uint64_t{0};
   constexpr int kPilotPaths = 20'000;
   const bool beams = !(wanted_ & kVolumePhotons).isEmpty(),
              points = !(wanted_ & kSurfacePhotons).isEmpty();
-  FirstRadii radii;
-  if ((beams && !params_.radius) || (points && !params_.surfaceradius)) {
-    PhotonSet pilot;
-    PassCost pass;
-    if (kept_) {
-      pass.paths = static_cast<double>(*std::max_element(kept_->paths.begin(), kept_->paths.end()));
-    } else {
-      Stats stats;
-      pilot = tracePhotons(context.seed, kPilotPass, kPilotPaths, context.stop, stats);
-      pass.paths = params_.photonsperpass;
-      pass.segments = static_cast<double>(stats[Stat::PhotonSegments]) * pass.paths / kPilotPaths;
-      context.stats.merge(stats);
-    }
+  const bool needsRadii = (beams && !params_.radius) || (points && !params_.surfaceradius),
+             needsPaths = (beams || points) && !kept_ && !params_.photonsperpass;
+  PhotonSet pilot;
+  PassCost pass;
+  if (kept_) {
+    pass.paths = static_cast<double>(*std::max_element(kept_->paths.begin(), kept_->paths.end()));
+  } else if (needsRadii || needsPaths) {
+    Stats stats;
+    pilot = tracePhotons(context.seed, kPilotPass, kPilotPaths, context.stop, stats);
     if (!pilot.isComplete) return;
+    const double perPath = 1. / kPilotPaths;
+    const LightPathMean mean{perPath * static_cast<double>(stats[Stat::PhotonSegments]),
+                             perPath * static_cast<double>(pilot.photons.size())};
+    if (needsPaths) {
+      pathsPerPass_ = balancedPaths(context.film.sampleBounds().area(), mean);
+      context.log.verbose(fmt::format("pvpm: {} light paths a pass", pathsPerPass_));
+    }
+    pass.paths = static_cast<double>(pathsPerPass_);
+    pass.segments = mean.segments * pass.paths;
+    context.stats.merge(stats);
+  }
+  FirstRadii radii;
+  if (needsRadii) {
     radii = firstRadii(scene_, paths_, context, kept_ ? *kept_ : pilot, pass);
     if (!kept_) learnShares(context, pilot, radii);
   }
@@ -390,12 +404,12 @@ std::optional<float> Pvpm::momentOf(const PassContext& context) {
 }
 
 bool Pvpm::renderPass(const PassContext& context, const std::function<void(double)>& onShare) {
-  if (context.pass == 0) chooseRadii(context);
+  if (context.pass == 0) choosePasses(context);
   const std::optional<float> moment = momentOf(context);
   // Photons first, so that visible points gather them at once and need not be kept.
   if (!kept_) {
-    traced_ = tracePhotons(context.seed, static_cast<std::uint64_t>(context.pass),
-                           params_.photonsperpass, context.stop, context.stats, std::move(traced_));
+    traced_ = tracePhotons(context.seed, static_cast<std::uint64_t>(context.pass), pathsPerPass_,
+                           context.stop, context.stats, std::move(traced_));
     if (!traced_.isComplete) return false;
   }
   const std::vector<Photon>& photons = kept_ ? kept_->photons : traced_.photons;
