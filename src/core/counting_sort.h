@@ -17,9 +17,8 @@ namespace brume {
 /// where each bucket begins, and the number of items. The result does not depend on the groups, but
 /// for `groups * buckets` counters. Test: counting_sort_test.
 template <class Visit, class BucketOf, class Put>
-std::vector<std::uint32_t> countingSort(std::size_t groups, std::size_t buckets,
-                                        const Visit& visit, const BucketOf& bucketOf,
-                                        const Put& put) {
+std::vector<std::uint32_t> countingSort(std::size_t groups, std::size_t buckets, const Visit& visit,
+                                        const BucketOf& bucketOf, const Put& put) {
   const auto forEachGroup = [&](const auto& body) {
     forEachChunk(static_cast<std::int64_t>(groups), 1,
                  [&](std::int64_t group, std::int64_t, std::int64_t) {
@@ -35,8 +34,7 @@ std::vector<std::uint32_t> countingSort(std::size_t groups, std::size_t buckets,
   std::uint32_t sum = 0;
   for (std::size_t bucket = 0; bucket < buckets; ++bucket) {
     begin[bucket] = sum;
-    for (std::size_t i = bucket; i < next.size(); i += buckets)
-      sum += std::exchange(next[i], sum);
+    for (std::size_t i = bucket; i < next.size(); i += buckets) sum += std::exchange(next[i], sum);
   }
   begin[buckets] = sum;
   forEachGroup([&](std::size_t group) {
