@@ -18,8 +18,8 @@ struct LightPathMean {
 /// of which n = C / c is at most twice the least, whatever V and W. Times are counted, not
 /// measured, so that images repeat: in path segments, a camera path is 30 and the search of a
 /// photon's beams or points 5.5, about what the six scenes of bench/photons.json take (camera paths
-/// 1.6 to 5 us, a segment 0.1 us, a photon 0.3 to 1.3 us). At most two million photons are left in a
-/// pass, some 200 MB. Test: pass_balance_test.
+/// 1.6 to 5 us, a segment 0.1 us, a photon 0.3 to 1.3 us). At most two million photons are left in
+/// a pass, some 200 MB. Test: pass_balance_test.
 std::int64_t balancedPaths(std::int64_t cameraPaths, const LightPathMean& mean);
 
 }  // namespace brume
