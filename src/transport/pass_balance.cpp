@@ -6,7 +6,7 @@
 namespace brume {
 
 std::int64_t balancedPaths(std::int64_t cameraPaths, const LightPathMean& mean) {
-  constexpr double kCameraPath = 30, kPhoton = 5.5;  // segments
+  constexpr double kCameraPath = 12, kPhoton = 5;  // segments
   constexpr double kMostPhotons = 2 << 20;
   constexpr double kFewest = 1000, kMost = 1 << 30;
   // A path has one segment at least.

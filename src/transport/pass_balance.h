@@ -16,10 +16,11 @@ struct LightPathMean {
 /// of a pass of n light paths, the time to an error goes as
 ///   (C + c n) (V + W / n)
 /// of which n = C / c is at most twice the least, whatever V and W. Times are counted, not
-/// measured, so that images repeat: in path segments, a camera path is 30 and the search of a
-/// photon's beams or points 5.5, about what the six scenes of bench/photons.json take (camera paths
-/// 1.6 to 5 us, a segment 0.1 us, a photon 0.3 to 1.3 us). At most two million photons are left in
-/// a pass, some 200 MB. Test: pass_balance_test.
+/// measured, so that images repeat: in path segments, a camera path is 12, and a photon in a medium
+/// or on a surface, with the search of its beams or points, 5. That is about what the shares of a
+/// pass say (bench/pass_shares.py): camera paths 3 to 16 segments, of which more is taken because
+/// photons make most of the noise, and photons 3 to 6, 36 in a fine grid. At most two million
+/// photons are left in a pass, some 200 MB. Test: pass_balance_test.
 std::int64_t balancedPaths(std::int64_t cameraPaths, const LightPathMean& mean);
 
 }  // namespace brume

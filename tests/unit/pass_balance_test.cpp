@@ -10,11 +10,11 @@ namespace brume {
 namespace {
 
 TEST(PassBalance, LightPathsCostWhatCameraPathsDo) {
-  // 2 segments and 1 photon: 7.5 segments a path.
-  EXPECT_EQ(balancedPaths(100'000, {2, 1}), 400'000);
-  EXPECT_EQ(balancedPaths(400'000, {2, 1}), 1'600'000);
+  // 3 segments and 1 photon: 8 segments a path.
+  EXPECT_EQ(balancedPaths(100'000, {3, 1}), 150'000);
+  EXPECT_EQ(balancedPaths(400'000, {3, 1}), 600'000);
   // Long paths in dense fog are fewer.
-  EXPECT_EQ(balancedPaths(100'000, {10, 9}), static_cast<std::int64_t>(3'000'000 / 59.5));
+  EXPECT_EQ(balancedPaths(110'000, {10, 9}), 24'000);
 }
 
 TEST(PassBalance, IsBounded) {
@@ -38,8 +38,8 @@ std::uint64_t pathsOf(const std::string& parameters, int pixels) {
 
 TEST(PassBalance, PvpmTracesMoreLightForMorePixels) {
   const std::uint64_t pilots = pathsOf("\"integer photonsperpass\" 1", 16) - 2;
-  const double few = static_cast<double>(pathsOf("", 40) - pilots),
-               many = static_cast<double>(pathsOf("", 80) - pilots);
+  const double few = static_cast<double>(pathsOf("", 64) - pilots),
+               many = static_cast<double>(pathsOf("", 128) - pilots);
   EXPECT_GT(few, 2 * 1000);
   EXPECT_NEAR(many / few, 4, 0.01);
   // What is given is taken.
