@@ -14,8 +14,8 @@ namespace brume {
 /// A stable counting sort of fewer than 2^32 items that stand in groups. visit(group, f) calls f
 /// with each item of a group, in order, and does so twice; bucketOf(item) is below `buckets`.
 /// put(item, place) gets the place of each, counted from 0; groups run at the same time. Returns
-/// where each bucket begins, and the number of items. The result does not depend on the groups, but
-/// for `groups * buckets` counters. Test: counting_sort_test.
+/// where each bucket begins, and the number of items. The result does not depend on the groups;
+/// they take groups * buckets counters. Test: counting_sort_test.
 template <class Visit, class BucketOf, class Put>
 std::vector<std::uint32_t> countingSort(std::size_t groups, std::size_t buckets, const Visit& visit,
                                         const BucketOf& bucketOf, const Put& put) {

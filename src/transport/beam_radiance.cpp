@@ -2,9 +2,8 @@
 #include "transport/beam_radiance.h"
 
 #include <algorithm>
-#include <array>
 #include <atomic>
-#include <memory>
+#include <limits>
 
 #include "accelerators/beam_quadtree.h"
 #include "core/counting_sort.h"

@@ -130,7 +130,7 @@ class Pvpm final : public PassGlobalIntegrator {
 
  private:
   void keepPhotons(const PrepareContext& context);
-  void choosePasses(const PassContext& context);
+  void choosePathsAndRadii(const PassContext& context);
   void learnShares(const PassContext& context, const PhotonSet& pilot, const FirstRadii& radii);
   std::optional<float> momentOf(const PassContext& context);
   void prepareRadii(const PassContext& context, CameraBeamOptions& options);
@@ -217,7 +217,7 @@ PhotonSet Pvpm::tracePhotons(std::uint64_t seed, std::uint64_t pass, std::int64_
   return tracer_->trace(seed, pass, paths, stop, stats, std::move(old));
 }
 
-/// Photons from a file, or the first pass's to a file.
+/// Photons from a file, or into one.
 void Pvpm::keepPhotons(const PrepareContext& context) {
   const PhotonFileParams& files = params_.files;
   if (files.loadphotons.empty() && files.savephotons.empty()) return;
@@ -227,9 +227,9 @@ void Pvpm::keepPhotons(const PrepareContext& context) {
   if (!files.loadphotons.empty() && photons.isComplete) kept_ = std::move(photons);
 }
 
-/// Radii and the number of light paths that were not given, from a pilot pass of photons with
+/// The number of light paths and the radii that were not given, from a pilot pass of photons with
 /// random numbers of its own.
-void Pvpm::choosePasses(const PassContext& context) {
+void Pvpm::choosePathsAndRadii(const PassContext& context) {
   constexpr std::uint64_t kPilotPass = ~std::uint64_t{0};
   constexpr int kPilotPaths = 20'000;
   const bool beams = !(wanted_ & kVolumePhotons).isEmpty(),
@@ -404,7 +404,7 @@ std::optional<float> Pvpm::momentOf(const PassContext& context) {
 }
 
 bool Pvpm::renderPass(const PassContext& context, const std::function<void(double)>& onShare) {
-  if (context.pass == 0) choosePasses(context);
+  if (context.pass == 0) choosePathsAndRadii(context);
   const std::optional<float> moment = momentOf(context);
   // Photons first, so that visible points gather them at once and need not be kept.
   if (!kept_) {
