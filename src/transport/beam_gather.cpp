@@ -80,12 +80,6 @@ PhotonState stateOf(const BeamPhoton& photon) {
           {}};
 }
 
-/// A cell that a photon of a group may be in.
-struct CellOfPhoton {
-  std::uint32_t photon;
-  BlockRange blocks;
-};
-
 /// The media along a tile's beams.
 class TileMedia {
  public:
@@ -123,7 +117,6 @@ struct LobeScratch {
 /// Room for a group of photons.
 struct GroupScratch {
   CellLists lists;
-  std::array<CellOfPhoton, kCellPairs> cells;
   std::array<PhotonState, kPhotonGroup> states;
 };
 

@@ -78,14 +78,12 @@ BRUME_KERNEL inline void addToBlock(const BeamTreeView& tree, const TileGather& 
 /// The same for a narrow photon: its beams have it at nearly the same t, tKnown - x. From a common
 /// origin at the distance l = tKnown, 0 <= x = l - t = d^2 / (l + t) < radius^2 / l.
 template <bool kIsotropic, bool kGray>
-BRUME_KERNEL inline void addNarrow(const BeamTreeView& tree, const TileGather& tile,
-                                   const PhotonState& photon, std::uint32_t b) {
-  const BeamTreeView::Block& block = tree.blocks[b];
+BRUME_KERNEL inline void addNarrow(const BeamTreeView::Block& block, const PhotonState& photon,
+                                   BlockSums& sums) {
   const BeamFoot<Lanes> foot =
       beamFoot(Lanes::all(photon.q.x), Lanes::all(photon.q.y), Lanes::all(photon.q.z),
                load(block.dx), load(block.dy), load(block.dz));
   const Lanes mask = insideMask(block, foot);
-  BlockSums& sums = tile.sums[b - tile.blocks.begin];
   countLanes(mask, sums.count.data());
   const Lanes weight = weightOf<kIsotropic>(block, photon, kernelOf(block, foot.d2)) & mask;
   const Lanes x = Lanes::all(photon.tKnown) - foot.t;
@@ -104,8 +102,9 @@ inline float nearT(const BeamTreeView::Block& block, const TileGather& tile, con
   return std::max(foot.t, tile.tStart);
 }
 
-/// Power times transmittance around tKnown.
-BRUME_KERNEL inline void findSeries(const TileGather& tile, std::span<PhotonState> photons) {
+/// Power times transmittance around tKnown; two terms, where that is enough for all of them.
+BRUME_KERNEL inline void findSeries(const TileGather& tile, bool areNarrow,
+                                    std::span<PhotonState> photons) {
   for (std::size_t first = 0; first < photons.size(); first += kLanes) {
     const auto some = photons.subspan(first, std::min(kLanes, photons.size() - first));
     std::array<float, kLanes> way{};
@@ -115,10 +114,16 @@ BRUME_KERNEL inline void findSeries(const TileGather& tile, std::span<PhotonStat
       std::array<float, kLanes> Tr;
       expOf(Lanes::load(way.data()) * Lanes::all(-sigma)).store(Tr.data());
       for (std::size_t i = 0; i < some.size(); ++i) {
-        const float c0 = tile.isGray ? Tr[i] : Tr[i] * some[i].power[c];
-        const float c1 = c0 * sigma, c2 = c1 * sigma * 0.5f, c3 = c2 * sigma * (1.f / 3);
-        some[i].series[c] = {c0, c1, c2, c3};
+        std::array<float, 4>& series = some[i].series[c];
+        series[0] = tile.isGray ? Tr[i] : Tr[i] * some[i].power[c];
+        series[1] = series[0] * sigma;
       }
+      if (!areNarrow)
+        for (PhotonState& photon : some) {
+          std::array<float, 4>& series = photon.series[c];
+          series[2] = series[1] * sigma * 0.5f;
+          series[3] = series[2] * sigma * (1.f / 3);
+        }
       if (tile.isGray) break;
     }
   }
@@ -127,55 +132,53 @@ BRUME_KERNEL inline void findSeries(const TileGather& tile, std::span<PhotonStat
 template <bool kIsotropic, bool kGray>
 BRUME_KERNEL inline void gatherPairs(const BeamTreeView& tree, const TileGather& tile,
                                      std::span<const PhotonState> photons,
-                                     std::span<const CellOfPhoton> pairs) {
-  for (const CellOfPhoton& pair : pairs) {
-    const PhotonState& photon = photons[pair.photon];
+                                     std::span<const std::uint32_t> pairs) {
+  for (const std::uint32_t pair : pairs) {
+    const PhotonState& photon = photons[pair >> kNodeBits];
+    const BlockRange blocks = blocksOfPair(tree, tile.tile, pair);
     if (photon.isNarrow)
-      for (std::uint32_t b = pair.blocks.begin; b < pair.blocks.end; ++b)
-        addNarrow<kIsotropic, kGray>(tree, tile, photon, b);
+      for (std::uint32_t b = blocks.begin; b < blocks.end; ++b)
+        addNarrow<kIsotropic, kGray>(tree.blocks[b], photon, tile.sums[b - tile.blocks.begin]);
     else
-      for (std::uint32_t b = pair.blocks.begin; b < pair.blocks.end; ++b)
+      for (std::uint32_t b = blocks.begin; b < blocks.end; ++b)
         addToBlock<kIsotropic, kGray>(tree, tile, photon, b);
   }
 }
 
-/// The photons of a group that may be in a cell of the tile, made ready, and their cells. Returns
-/// how many photons that are.
-BRUME_KERNEL inline std::size_t prepareGroup(const BeamTreeView& tree, const TileGather& tile,
-                                             std::span<const BeamPhoton> photons,
-                                             std::span<const std::uint32_t> indices,
-                                             std::span<const std::uint32_t> pairs,
-                                             PhotonState* states, CellOfPhoton* cells) {
+/// Where the transmittance of photons that are not narrow is known: in the first cell of each.
+BRUME_KERNEL inline void findKnown(const BeamTreeView& tree, const TileGather& tile,
+                                   std::span<const std::uint32_t> pairs,
+                                   std::span<PhotonState> photons) {
   // Without branches that depend on the pairs; the first cell of a photon is written last.
-  std::array<std::uint32_t, kPhotonGroup> nearBlock{}, isThere{}, place;
-  for (std::size_t i = pairs.size(); i-- > 0;) {
-    const std::uint32_t photon = pairs[i] >> kNodeBits;
-    cells[i] = {photon, blocksOfPair(tree, tile.tile, pairs[i])};
-    nearBlock[photon] = cells[i].blocks.begin;
-    isThere[photon] = 1;
-  }
-  std::array<std::uint32_t, kPhotonGroup> there;
-  std::uint32_t n = 0;
-  for (std::uint32_t i = 0; i < indices.size(); ++i) {
-    there[n] = i;
-    place[i] = n;
-    n += isThere[i];
-  }
-  for (CellOfPhoton& cell : std::span(cells, pairs.size())) cell.photon = place[cell.photon];
-  for (std::uint32_t i = 0; i < n; ++i) {
-    states[i] = stateOf(photons[indices[there[i]]]);
+  std::array<std::uint32_t, kPhotonGroup> nearBlock;
+  nearBlock.fill(tile.blocks.begin);
+  for (std::size_t i = pairs.size(); i-- > 0;)
+    nearBlock[pairs[i] >> kNodeBits] = blocksOfPair(tree, tile.tile, pairs[i]).begin;
+  for (std::size_t i = 0; i < photons.size(); ++i)
+    if (!photons[i].isNarrow)
+      photons[i].tKnown = nearT(tree.blocks[nearBlock[i]], tile, photons[i].p);
+}
+
+/// Makes the photons of a group ready for the cells that they may be in.
+BRUME_KERNEL inline void prepareGroup(const BeamTreeView& tree, const TileGather& tile,
+                                      std::span<const BeamPhoton> photons,
+                                      std::span<const std::uint32_t> indices,
+                                      std::span<const std::uint32_t> pairs, PhotonState* states) {
+  bool areNarrow = true;
+  for (std::size_t i = 0; i < indices.size(); ++i) {
+    PhotonState& state = states[i];
+    state = stateOf(photons[indices[i]]);
     if (tile.origin) {
-      const float l = distance(states[i].p, *tile.origin);
+      const float l = distance(state.p, *tile.origin);
       // Nearer than tStart it is in no beam, and the transmittance would grow.
-      states[i].isNarrow = l >= std::max(tile.narrowReach, tile.tStart);
-      states[i].q = states[i].p - *tile.origin;
-      states[i].tKnown = l;
+      state.isNarrow = l >= std::max(tile.narrowReach, tile.tStart);
+      state.q = state.p - *tile.origin;
+      state.tKnown = l;
     }
-    if (!states[i].isNarrow)
-      states[i].tKnown = nearT(tree.blocks[nearBlock[there[i]]], tile, states[i].p);
+    areNarrow &= state.isNarrow;
   }
-  findSeries(tile, {states, n});
-  return n;
+  if (!areNarrow) findKnown(tree, tile, pairs, {states, indices.size()});
+  findSeries(tile, areNarrow, {states, indices.size()});
 }
 
 /// Adds a group of photons to the sums of a tile.
@@ -186,20 +189,18 @@ BRUME_KERNEL inline void gatherGroup(const BeamTreeView& tree, const TileGather&
   std::array<Vec3, kPhotonGroup> positions;
   for (std::size_t i = 0; i < indices.size(); ++i) positions[i] = photons[indices[i]].p;
   const auto pairs = findCells(tree, tile.tile, {positions.data(), indices.size()}, scratch.lists);
-  const std::size_t n = prepareGroup(tree, tile, photons, indices, pairs, scratch.states.data(),
-                                     scratch.cells.data());
-  const std::span<const PhotonState> states(scratch.states.data(), n);
-  const std::span<const CellOfPhoton> cells(scratch.cells.data(), pairs.size());
+  prepareGroup(tree, tile, photons, indices, pairs, scratch.states.data());
+  const std::span<const PhotonState> states(scratch.states.data(), indices.size());
   bool isIsotropic = true;
   for (const PhotonState& photon : states) isIsotropic &= photon.a == 0;
   if (isIsotropic && tile.isGray)
-    gatherPairs<true, true>(tree, tile, states, cells);
+    gatherPairs<true, true>(tree, tile, states, pairs);
   else if (isIsotropic)
-    gatherPairs<true, false>(tree, tile, states, cells);
+    gatherPairs<true, false>(tree, tile, states, pairs);
   else if (tile.isGray)
-    gatherPairs<false, true>(tree, tile, states, cells);
+    gatherPairs<false, true>(tree, tile, states, pairs);
   else
-    gatherPairs<false, false>(tree, tile, states, cells);
+    gatherPairs<false, false>(tree, tile, states, pairs);
 }
 
 /// The sums of a block in their unit: with the kernel's factor, and transmittance counted from each
