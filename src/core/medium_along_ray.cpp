@@ -185,7 +185,7 @@ MediumCoefficients MediumAlongRay::at(float t) const {
   return sum;
 }
 
-std::optional<float> MediumAlongRay::invert(int channel, double depth) const {
+std::optional<double> MediumAlongRay::invert(int channel, double depth) const {
   if (spans_.empty() || !(depth <= total_[channel])) return std::nullopt;
   // The first span at whose end the depth is reached.
   const auto endDepth = [&](std::size_t i) {
@@ -201,18 +201,17 @@ std::optional<float> MediumAlongRay::invert(int channel, double depth) const {
   }
   const Span& s = spans_[lo];
   const double s0 = s.depth[channel] + s.jump[channel];
-  if (depth <= s0) return std::clamp(static_cast<float>(s.t0), range_.t0, range_.t1);
+  if (depth <= s0) return s.t0;
   const MediumPiece& p = piece(s, 0);
   if (s.count == 1 && p.form == MediumPiece::Form::Cubic && s.t0 == p.t0 && s.t1 == p.t1) {
     const double sigma_t = p.unit->sigma_t()[channel];
-    const double t = p.t0 + invertCubic(p, (depth - s0) / sigma_t, p.integral(p.t0, p.t1));
-    return std::clamp(static_cast<float>(t), range_.t0, range_.t1);
+    return p.t0 + invertCubic(p, (depth - s0) / sigma_t, p.integral(p.t0, p.t1));
   }
   const double t =
       s.t0 + invertMonotone([&](double x) { return depthBetween(s, channel, s.t0, s.t0 + x); },
                             [&](double x) { return extinction(s, channel, s.t0 + x); }, s.t1 - s.t0,
                             depth - s0, depthBetween(s, channel, s.t0, s.t1));
-  return std::clamp(static_cast<float>(t), range_.t0, range_.t1);
+  return std::min(t, s.t1);
 }
 
 Rgb MediumAlongRay::emission() const {

@@ -32,14 +32,15 @@ class MediumAlongRay {
   /// Int sigma_t over the whole range.
   Rgb opticalDepth() const { return Rgb(toFloat(total_)); }
   /// Int_range.t0^t sigma_t.
-  Rgb opticalDepth(float t) const { return toFloat(depthAt(t)); }
+  Rgb opticalDepth(double t) const { return toFloat(depthAt(t)); }
   /// The same with all digits, for differences.
   Vec3d depthAt(double t) const;
   Rgb transmittance() const { return exp(-opticalDepth()); }
-  Rgb transmittance(float t) const { return toTransmittance(depthAt(t)); }
+  Rgb transmittance(double t) const { return toTransmittance(depthAt(t)); }
   static Rgb toTransmittance(const Vec3d& depth) { return exp(-toFloat(depth)); }
-  /// The t with opticalDepth(t)[channel] = depth; none when the range holds less.
-  std::optional<float> invert(int channel, double depth) const;
+  /// The t with opticalDepth(t)[channel] = depth; none when the range holds less. In double: from
+  /// one float to the next, dense media may have hundreds of optical depths.
+  std::optional<double> invert(int channel, double depth) const;
   /// Coefficients at ray(t).
   MediumCoefficients at(float t) const;
   /// Int exp(-tau(range.t0, t)) Le dt over the range: closed form where one volume is alone (all

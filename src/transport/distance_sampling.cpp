@@ -94,7 +94,7 @@ std::optional<float> TransmittanceSampler::distance(float u) const {
   const double depth = -std::log1p(v * std::expm1(-inside_[channel]));
   const auto t = medium_.invert(channel, before_[channel] + std::min(depth, inside_[channel]));
   if (!t) return std::nullopt;
-  return std::clamp(*t, range_.t0, range_.t1);
+  return std::clamp(static_cast<float>(*t), range_.t0, range_.t1);
 }
 
 float TransmittanceSampler::pdf(const Rgb& sigma_t, const Vec3d& depth) const {

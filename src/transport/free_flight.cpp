@@ -65,11 +65,11 @@ FreeFlight sampleFreeFlight(const MediumAlongRay& medium, const Rgb& channels, f
                             float uDepth) {
   const DrawnDepth drawn(channels, uChannel, uDepth);
   FreeFlight flight;
-  flight.t = medium.invert(drawn.channel, drawn.depth);
-  flight.weight =
-      flightWeight(flight.t ? medium.at(*flight.t).sigma_t() * medium.transmittance(*flight.t)
-                            : medium.transmittance(),
-                   channels);
+  const auto t = medium.invert(drawn.channel, drawn.depth);
+  if (t) flight.t = static_cast<float>(*t);
+  flight.weight = flightWeight(
+      t ? medium.at(*flight.t).sigma_t() * medium.transmittance(*t) : medium.transmittance(),
+      channels);
   return flight;
 }
 

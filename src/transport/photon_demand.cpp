@@ -35,7 +35,7 @@ class Collector final : public CameraPathVisitor {
     const float share = scattered[channel];
     if (!(share > 0)) return;
     if (const auto t = medium.invert(channel, -std::log1p(-double{u_} * double{share})))
-      inMedia.push_back({medium.ray()(*t), weight.average() * share});
+      inMedia.push_back({medium.ray()(static_cast<float>(*t)), weight.average() * share});
   }
   void onSurface(const SurfaceInteraction& at, const Bsdf&, const Rgb& weight) override {
     onSurfaces.push_back({at.p, weight.average()});

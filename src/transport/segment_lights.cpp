@@ -67,15 +67,37 @@ SegmentLights::SegmentLights(const Scene& scene, double evenShare)
   }
   center_ = Vec3d(bounds.center());
   radius_ = 1.0001 * double{bounds.radius()};
+  findLeastExtinction();
+}
+
+/// By bisection: the bound falls as the extinction grows.
+void SegmentLights::findLeastExtinction() {
+  double nearest = HUGE_VAL;
+  for (const Light* light : lights_.lights())
+    nearest = std::min(nearest, distanceFrom(media_, *light->position()));
+  const auto isHelpless = [&](double sigma) {
+    return kMostFound * relativeIrradiance2(sigma, mediaRadius_, farthestOutside_, nearest) <=
+           kWorthLooking;
+  };
+  double low = 1e-6 / mediaRadius_, high = 1e6 / mediaRadius_;
+  if (!(nearest > 0) || !isHelpless(high)) return;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = std::sqrt(low * high);
+    (isHelpless(middle) ? high : low) = middle;
+  }
+  helplessExtinction_ = high;
 }
 
 bool SegmentLights::mayHelp(const MediumAlongRay& medium, const Rgb& channels) const {
   if (lights_.isEmpty()) return false;
   if (medium.isTracked()) return true;  // whose depths are random
+  const double depth = drawn(channels, medium.opticalDepth());
+  const Interval range = medium.range();
+  if (depth > helplessExtinction_ * (double{range.t1} - double{range.t0})) return false;
   const View view(medium, center_);
   const double nearest = view.distance - radius_;
   if (!(nearest > 0)) return true;
-  const double sigma = drawn(channels, medium.opticalDepth()) / view.length;
+  const double sigma = depth / view.length;
   return kMostFound * relativeIrradiance2(sigma, mediaRadius_, farthestOutside_, nearest) >
          kWorthLooking;
 }
@@ -118,7 +140,7 @@ std::optional<SegmentLights::Sample> SegmentLights::sample(const MediumAlongRay&
 
 float SegmentLights::pdf(const MediumAlongRay& medium, const Rgb& channels, Chances& chances,
                          const Light& light, float t) const {
-  if (!light.isDelta() || !light.position() || !mayHelp(medium, channels)) return 0;
+  if (!light.isDelta() || !light.position()) return 0;
   const Vec3 position = *light.position();
   if (!looksAt(medium, channels, position)) return 0;
   const Ray& ray = medium.ray();

@@ -2,6 +2,8 @@
 // Point lights as seen from the segments of a path: where along a segment to look at which of them.
 #pragma once
 
+#include <cmath>
+
 #include "core/medium_along_ray.h"
 #include "transport/light_tree.h"
 
@@ -37,10 +39,10 @@ class SegmentLights {
     LightTree::Cut<RayReceiver> cut_;
     bool isKnown_ = false;
   };
-  /// `channels`: the probability of each channel to draw the flight. False: sample() is always
-  /// empty and pdf() 0.
+  /// `channels`: the probability of each channel to draw the flight. False: the segment looks at no
+  /// light.
   bool mayHelp(const MediumAlongRay& medium, const Rgb& channels) const;
-  /// None when the segment does not look at the light chosen. Requires mayHelp().
+  /// None when the segment does not look at the light chosen. This and pdf() require mayHelp().
   std::optional<Sample> sample(const MediumAlongRay& medium, const Rgb& channels, Chances& chances,
                                float uChoice, float uDistance) const;
   float pdf(const MediumAlongRay& medium, const Rgb& channels, Chances& chances, const Light& light,
@@ -49,6 +51,7 @@ class SegmentLights {
   bool looksAt(const MediumAlongRay& medium, const Rgb& channels, const Vec3& p) const;
 
  private:
+  void findLeastExtinction();
   const LightTree::Cut<RayReceiver>& cutFor(const MediumAlongRay& medium, Chances& chances) const;
 
   LightTree lights_;
@@ -57,6 +60,8 @@ class SegmentLights {
   Vec3d center_{0};  // of a ball that holds all of the lights
   double radius_ = 0;
   double farthestOutside_ = 0;  // of any light from the media
+  /// Mean extinction from which no segment looks at any light, all of which are outside.
+  double helplessExtinction_ = HUGE_VAL;
 };
 
 }  // namespace brume

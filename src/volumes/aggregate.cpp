@@ -67,7 +67,8 @@ class Aggregate final : public Volume {
   std::optional<float> invertOpticalDepth(const Ray& ray, Interval range, int channel,
                                           float depth) const override {
     if (depth <= 0) return range.t0;
-    return lookUp(ray, range).invert(channel, double{depth});
+    const auto t = lookUp(ray, range).invert(channel, double{depth});
+    return t ? std::optional(static_cast<float>(*t)) : std::nullopt;
   }
 
   Rgb emission(const Ray& ray, Interval range) const override {

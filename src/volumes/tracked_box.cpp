@@ -167,7 +167,8 @@ Rgb TrackedBox::opticalDepth(const Ray& ray, Interval range) const {
 
 std::optional<float> TrackedBox::invertOpticalDepth(const Ray& ray, Interval range, int channel,
                                                     float depth) const {
-  return MediumAlongRay(*this, ray, range).invert(channel, double{depth});
+  const auto t = MediumAlongRay(*this, ray, range).invert(channel, double{depth});
+  return t ? std::optional(static_cast<float>(*t)) : std::nullopt;
 }
 
 double TrackedBox::densityAt(const Ray& ray, double t) const {

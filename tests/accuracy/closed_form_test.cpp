@@ -86,6 +86,90 @@ TEST_P(ClosedForm, UnevenGridsAreIntegratedExactly) {
   }
 }
 
+/// A long grid, empty but for two walls that are not even: whole blocks of it are stepped over.
+class WalledGrid {
+ public:
+  std::string text(const std::string& coefficients) const {
+    std::string result = fmt::format(
+        "Volume \"volumegrid\" {} \"point p0\" [-1 -1 -1] \"point p1\" [1 1 1] \"integer nx\" {} "
+        "\"integer ny\" {} \"integer nz\" {} \"float density\" [",
+        coefficients, kSize[0], kSize[1], kSize[2]);
+    for (int z = 0; z < kSize[2]; ++z)
+      for (int y = 0; y < kSize[1]; ++y)
+        for (int x = 0; x < kSize[0]; ++x) result += fmt::format("{:g} ", voxel(x, y, z));
+    return result + "]\n";
+  }
+  /// Trilinear between the voxels' centres, constant beyond the outer ones.
+  double at(const std::array<double, 3>& p) const {
+    double sum = 0;
+    std::array<int, 3> low;
+    std::array<double, 3> part;
+    for (std::size_t a = 0; a < 3; ++a) {
+      const double place = std::clamp((p[a] + 1) / 2 * kSize[a] - 0.5, 0.0, kSize[a] - 1.0);
+      low[a] = std::min(static_cast<int>(place), kSize[a] - 2);
+      part[a] = place - low[a];
+    }
+    for (int i = 0; i < 8; ++i) {
+      const int x = i & 1, y = i >> 1 & 1, z = i >> 2;
+      sum += (x ? part[0] : 1 - part[0]) * (y ? part[1] : 1 - part[1]) *
+             (z ? part[2] : 1 - part[2]) * voxel(low[0] + x, low[1] + y, low[2] + z);
+    }
+    return sum;
+  }
+
+ private:
+  static constexpr std::array<int, 3> kSize = {200, 12, 10};
+  static double voxel(int x, int y, int z) {
+    const bool isWall = (x >= 20 && x < 25) || (x >= 150 && x < 151);
+    return isWall ? 8 + (7 * x + 3 * y + 5 * z) % 9 : 0;
+  }
+};
+
+TEST_P(ClosedForm, NothingIsLostBetweenEmptyBlocks) {
+  const WalledGrid grid;
+  const std::array<std::array<double, 3>, 2> kRays[] = {{{{-1, -0.3, 0.1}, {1, 0.4, -0.5}}},
+                                                        {{{1, 0.9, 0.9}, {-1, -0.9, -0.9}}},
+                                                        {{{-0.83, 1, 0.2}, {-0.76, -1, -0.3}}}};
+  for (const auto& [in, out] : kRays) {
+    constexpr int kSteps = 400000;
+    double depth = 0, length = 0;
+    for (int i = 0; i < kSteps; ++i) {
+      const double s = (i + 0.5) / kSteps;
+      std::array<double, 3> p;
+      for (std::size_t a = 0; a < 3; ++a) p[a] = in[a] + s * (out[a] - in[a]);
+      depth += grid.at(p) / kSteps;
+    }
+    for (std::size_t a = 0; a < 3; ++a) length += (out[a] - in[a]) * (out[a] - in[a]);
+    const std::array<double, 3> sigma = {0.2, 1, 3};
+    std::array<double, 3> expected;
+    for (std::size_t c = 0; c < 3; ++c)
+      expected[c] = std::exp(-sigma[c] * depth * std::sqrt(length));
+    const std::string lookAt =
+        fmt::format("{} {} {}  {} {} {}  0 1 0", 2 * in[0] - out[0], 2 * in[1] - out[1],
+                    2 * in[2] - out[2], out[0], out[1], out[2]);
+    expectExactly(GetParam(),
+                  {lookAt, sky() + grid.text("\"color sigma_a\" " + rgbText(sigma)), 1e-5},
+                  expected, 2e-4, lookAt);
+  }
+}
+
+TEST_P(ClosedForm, MovingShapesHideTheSkyForTheirTime) {
+  // A black wall passes behind fog that absorbs: it is in the way from t = 0.25 to 0.5.
+  const std::string wall =
+      "AttributeBegin Material \"matte\" \"color Kd\" [0 0 0]\n"
+      "ActiveTransform EndTime Translate 4 0 0 ActiveTransform All\n"
+      "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3]\n"
+      "\"point P\" [-2 -1 -2  -1 -1 -2  -1 1 -2  -2 1 -2] AttributeEnd\n";
+  const std::array<double, 3> sigma = {0.1, 0.5, 1};
+  std::array<double, 3> expected;
+  for (std::size_t c = 0; c < 3; ++c) expected[c] = 0.75 * std::exp(-2 * sigma[c]);
+  expectRadiance(GetParam(),
+                 {"0 0 5  0 0 0  0 1 0",
+                  sky() + wall + "Volume \"homogeneous\" \"color sigma_a\" " + rgbText(sigma) +
+                      " \"point p0\" [-1 -1 -1] \"point p1\" [1 1 1]\n"},
+                 expected, Form::Quick, "wall");
+}
+
 /// A disk that shines evenly, over a floor of albedo 1/2 at the origin.
 struct DiskLight {
   std::string name, placed;

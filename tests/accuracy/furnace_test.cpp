@@ -33,6 +33,9 @@ std::vector<FurnaceCase> furnaces(bool all) {
         {fmt::format("white_g{}", g),
          equalMedia(fmt::format("\"color sigma_s\" [3 3 3] \"float g\" {}", g))[0].text});
   cases.push_back({"white_uneven", unevenGrid("\"color sigma_s\" [1 3 6] \"float g\" .6")});
+  cases.push_back({"white_cloud",
+                   "Volume \"cloud\" \"color sigma_s\" [2 4 8] \"float g\" .5 "
+                   "\"point p0\" [-1 -1 -1] \"point p1\" [1 1 1]\n"});
   // Absorbing, emitting what it absorbs, and scattering.
   const std::string balanced =
       "\"color sigma_s\" [2 1 .5] \"color sigma_a\" [.2 1 4] \"color Le\" [.2 1 4] \"float g\" .5";

@@ -164,6 +164,13 @@ std::vector<StabilityCase> mediumCases() {
   cases.push_back(furnace(
       "grid", "0, denormal and 1e10 in one, furnace",
       grid(balanced(.3, .7, .4), {"0", "1e-40", "1e10", "1", "1e-40", "1e10", "0", "1e-3"})));
+  // From one float to the next along the ray there are thousands of optical depths.
+  cases.push_back(furnace("grid", "1e10 everywhere, furnace",
+                          grid(balanced(.3, .7, .4), std::vector<std::string>(8, "1e10"))));
+  cases.push_back(furnace("grid", "1e10 everywhere, chromatic, furnace",
+                          grid("\"color sigma_s\" [.1 1 10] \"color sigma_a\" [.1 1 10] "
+                               "\"color Le\" [.1 1 10]",
+                               std::vector<std::string>(8, "1e10"))));
   cases.push_back(furnace("grid", "one voxel of 1e10, furnace from inside",
                           grid(balanced(.3, .7, .4), {"1", "0", "1", "1", "1e10", "0", "1", "1"}),
                           kFromInside));

@@ -367,6 +367,18 @@ TEST(VolPath, SurfacesWithoutMediaArePathTraced) {
   EXPECT_LT(e.standardError, 0.01);
 }
 
+TEST(VolPath, LightsInObjectInstancesLightNothing) {
+  // As for all integrators: no light is sampled there, and what hits it by chance does not count.
+  const auto image =
+      renderText(scene("0 0 5  0 0 0  0 1 0",
+                       "ObjectBegin \"lamp\" AreaLightSource \"diffuse\" \"color L\" [10 10 10]\n"
+                       "Shape \"sphere\" \"float radius\" .9 ObjectEnd\n"
+                       "Shape \"disk\" Translate 1.2 0 1 ObjectInstance \"lamp\"\n",
+                       16))
+          .image;
+  for (const float v : image.channels.at("R")) EXPECT_EQ(v, 0);
+}
+
 TEST(VolPath, ClosedSceneWithoutLossEnds) {
   const std::string world =
       "Material \"matte\" \"color Kd\" [1 1 1]\nShape \"sphere\" \"float radius\" 2\n"

@@ -27,10 +27,12 @@ struct Segment {
   MediumAlongRay medium;
   Rgb channels;
   SegmentLights::Chances lights;
+  bool looksAtLights = false;  ///< some segments do: SegmentLights::mayHelp
 
   /// Density of free flights at t [1/length]: the mean over the channels that may draw them.
-  float flightPdf(float t) const {
-    const Rgb density = channels * medium.at(t).sigma_t() * medium.transmittance(t);
+  float flightPdf(double t) const {
+    const Rgb density =
+        channels * medium.at(static_cast<float>(t)).sigma_t() * medium.transmittance(t);
     return density.r + density.g + density.b;
   }
 };
@@ -239,7 +241,8 @@ Rgb VolPath::lightBehind(const PathState& path,
     const Rgb Le = emittedRadiance(*hit);
     if (Le.isBlack() || !from.lightIsSampled) return Le;
     const float choice = lights.probability(from.receiver, hit->areaLight);
-    if (!(choice > 0)) return Le;  // a light inside an object instance is never sampled
+    // A light that is never sampled (inside an object instance) shows itself, but lights nothing.
+    if (!(choice > 0)) return {};
     return Le * powerHeuristic(from.pdf, choice * hit->areaLight->pdfLiAt(from.from, path.ray.d,
                                                                           hit->p, hit->n));
   }
@@ -266,7 +269,9 @@ float VolPath::emissionWeight(const PathState& path, const MediumAlongRay& mediu
 /// heuristic against the light that is sampled at the end of the free flight.
 Rgb VolPath::equiangularLight(const PathState& path, Segment& segment,
                               RenderContext& context) const {
-  if (!params_.equiangular || !segmentLights_.mayHelp(segment.medium, segment.channels)) return {};
+  segment.looksAtLights =
+      params_.equiangular && segmentLights_.mayHelp(segment.medium, segment.channels);
+  if (!segment.looksAtLights) return {};
   const float uChoice = context.samples.get1D(), uDistance = context.samples.get1D();
   const auto at =
       segmentLights_.sample(segment.medium, segment.channels, segment.lights, uChoice, uDistance);
@@ -300,14 +305,15 @@ VolPath::Flight VolPath::sampleFlight(PathState& path, const Segment& segment,
   const double rest =
       std::clamp((uChannel - before) / double{channels[channel]}, 0.0, double{kOneMinusEpsilon});
   Flight flight;
-  flight.t = segment.medium.invert(channel, -std::log1p(-(double{uDepth} + rest * 0x1p-24)));
-  if (!flight.t) {
+  const auto t = segment.medium.invert(channel, -std::log1p(-(double{uDepth} + rest * 0x1p-24)));
+  if (!t) {
     const Rgb Tr = segment.medium.transmittance(), reach = channels * Tr;
     path.throughput *= Tr / (reach.r + reach.g + reach.b);
     return flight;
   }
-  flight.pdf = segment.flightPdf(*flight.t);
-  path.throughput = flight.pdf > 0 ? path.throughput * segment.medium.transmittance(*flight.t) *
+  flight.t = static_cast<float>(*t);
+  flight.pdf = segment.flightPdf(*t);
+  path.throughput = flight.pdf > 0 ? path.throughput * segment.medium.transmittance(*t) *
                                          segment.medium.at(*flight.t).sigma_s / flight.pdf
                                    : Rgb();
   return flight;
@@ -456,6 +462,7 @@ Rgb VolPath::Li(const FootprintRay& cameraRay, int, RenderContext& context) cons
     if (range) {
       const Rgb& carried = path.throughput;
       segment.channels = carried / (carried.r + carried.g + carried.b);
+      segment.looksAtLights = false;
       if (scene_.volume()->isScattering() && !segment.medium.isEmpty())
         addLight(path, after(path.component, Scattering::Medium),
                  equiangularLight(path, segment, context), context);
@@ -465,7 +472,7 @@ Rgb VolPath::Li(const FootprintRay& cameraRay, int, RenderContext& context) cons
     ++path.scatterings;
     if (path.throughput.isBlack()) break;
     const auto flightWeight = [&](const LightTree::Choice& choice) {
-      if (!params_.equiangular) return 1.f;
+      if (!segment.looksAtLights) return 1.f;
       const float here = choice.probability * flight.pdf;
       return here / (here + segmentLights_.pdf(segment.medium, segment.channels, segment.lights,
                                                *choice.light, *flight.t));
