@@ -3,6 +3,7 @@
 #pragma once
 
 #include <atomic>
+#include <cmath>
 #include <functional>
 #include <memory>
 #include <string_view>
@@ -43,6 +44,10 @@ struct PrepareContext {
   Stats& stats;
   Log& log;
   const ImageView* view = nullptr;  ///< null where nobody knows
+  /// What tracing photons had better not take longer than (--time); fewer are traced then.
+  double secondsForPhotons = HUGE_VAL;
+  /// Is told what is done, and how much of it; from any thread. May be empty.
+  std::function<void(std::string_view what, double share)> onShare = {};
 };
 
 /// What an integrator is made from, beside its parameters. The scene outlives it.

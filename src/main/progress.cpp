@@ -31,7 +31,8 @@ std::string durationText(double seconds) {
 }
 
 std::string progressText(const RenderProgress& progress) {
-  std::string text = fmt::format("{:5.1f} %", 100 * progress.fraction);
+  std::string text = fmt::format("{}{}{:5.1f} %", progress.what, progress.what.empty() ? "" : " ",
+                                 100 * progress.fraction);
   if (progress.pass > 0) text += fmt::format("  pass {}", progress.pass);
   text += fmt::format("  {}", durationText(progress.seconds));
   if (progress.fraction > 0 && progress.fraction < 1) {

@@ -14,7 +14,6 @@ constexpr std::int64_t kPortion = 16;
 constexpr std::int64_t kMinSamplesForError = 16;
 /// Sample indices stay within int.
 constexpr std::int64_t kMaxSamples = std::int64_t{1} << 30;
-constexpr double kSecondsBetweenReports = 0.25;
 
 class PortionLoop {
  public:
@@ -98,7 +97,8 @@ RenderProgress PortionLoop::progressAt(double share, std::int64_t portion,
   p.rays = stats[Stat::IntersectionRays] + stats[Stat::ShadowRays];
   p.photons = stats[Stat::PhotonsStored];
   p.estimatedError = outcome_.estimatedError;
-  p.fraction = samples / static_cast<double>(total_);
+  // Without a number of rounds the other limits alone tell how far it is.
+  p.fraction = limits_.rounds ? samples / static_cast<double>(total_) : 0;
   if (limits_.maxSeconds) p.fraction = std::max(p.fraction, p.seconds / *limits_.maxSeconds);
   if (limits_.targetError && outcome_.estimatedError)
     p.fraction = std::max(p.fraction, sqr(*limits_.targetError / *outcome_.estimatedError));

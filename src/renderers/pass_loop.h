@@ -28,6 +28,8 @@ struct RenderOutcome {
   std::optional<double> estimatedError;
 };
 
+inline constexpr double kSecondsBetweenReports = 0.25;
+
 /// Who is told how far the render is; each may be empty. Called from one thread at a time.
 struct RenderWatch {
   std::function<void(const RenderProgress&)> progress;  ///< a few times a second at most

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <mutex>
 
 #include "core/camera.h"
 #include "core/compatibility.h"
@@ -56,6 +57,35 @@ struct RenderJob::Parts {
 };
 
 namespace {
+
+/// Of --time, that photon maps may take.
+constexpr double kPhotonShare = 0.5;
+
+/// Shows what is done before the first pass; may be told of it by many threads.
+class PrepareProgress {
+ public:
+  explicit PrepareProgress(const std::function<void(const RenderProgress&)>& progress)
+      : progress_(progress) {}
+  void show(std::string_view what, double share) {
+    const std::unique_lock lock(mutex_, std::try_to_lock);
+    if (!lock || !progress_) return;
+    const double now =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    if (now < nextReport_) return;
+    nextReport_ = now + kSecondsBetweenReports;
+    RenderProgress p;
+    p.what = what;
+    p.fraction = share;
+    p.seconds = now;
+    progress_(p);
+  }
+
+ private:
+  const std::function<void(const RenderProgress&)>& progress_;
+  std::mutex mutex_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  double nextReport_ = kSecondsBetweenReports;
+};
 
 /// The camera's motion in render space, whose origin is at sceneOrigin.
 AnimatedTransform cameraInRenderSpace(const RenderOptions& options, const Vec3d& sceneOrigin) {
@@ -114,7 +144,8 @@ void RenderJob::Parts::makeImageSide(RenderOptions& options, PluginFactory& fact
   filmContext.resolution = settings.resolution;
   filmContext.crop = settings.crop;
   filmContext.quick = settings.quick;
-  filmContext.variance = settings.variance || settings.targetError;
+  filmContext.variance = settings.variance;
+  filmContext.needsVariance = settings.targetError.has_value();
   filmContext.layers = settings.layers;
   film = factory.make<Film>(options.film, filmContext);
 
@@ -272,6 +303,9 @@ RenderResult RenderJob::run(const std::atomic<bool>& stop,
   // All of the image, so that crop windows of it have the same photons and fit together.
   const ImageView view{*p.camera, *p.sampler, {Vec2i(0), p.film->resolution()}};
   PrepareContext prepare{p.settings.seed, p.camera->shutter(), stop, stats, p.log, &view};
+  if (limits.maxSeconds) prepare.secondsForPhotons = kPhotonShare * *limits.maxSeconds;
+  PrepareProgress prepareProgress(progress);
+  prepare.onShare = [&](std::string_view what, double share) { prepareProgress.show(what, share); };
   if (p.global) p.global->prepare(prepare);
   if (p.surface) p.surface->prepare(prepare);
   limits.secondsSpent =

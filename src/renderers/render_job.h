@@ -36,7 +36,8 @@ struct RenderSettings {
 };
 
 struct RenderProgress {
-  double fraction = 0;  ///< of the work, 0..1, as far as it is known
+  std::string_view what = {};  ///< is done before the first pass; empty: passes
+  double fraction = 0;         ///< of the work, 0..1, as far as it is known
   int pass = 0;
   double seconds = 0;
   std::uint64_t rays = 0, photons = 0;

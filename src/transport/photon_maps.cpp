@@ -85,6 +85,7 @@ PhotonSet tracePhotons(const Scene& scene, const PhotonMapRequest& request,
   const PhotonClasses wanted = showableClasses(scene, request);
   PhotonTracer tracer(scene, {wanted, context.shutter, request.maxDepth});
   if (wanted.isEmpty() || !tracer.hasLights()) return {};
+  const PhotonMapTracing tracing(context);
   if (context.view) learnShares(tracer, wanted, scene, context);
 
   // What each class would need by itself, then what the classes of a group need together.
@@ -95,7 +96,8 @@ PhotonSet tracePhotons(const Scene& scene, const PhotonMapRequest& request,
   for (const auto& [group, photons] : groups)
     for (std::size_t c = 0; c < kPhotonClasses; ++c)
       if (group.contains(static_cast<PhotonClass>(c))) counts[c] = photons;
-  PathsPerClass paths = pathsFor(tracer, counts, wanted, context.seed, context.stop, context.stats);
+  PathsPerClass paths = pathsFor(tracer, counts, wanted, context.seed, context.stop, context.stats,
+                                 tracing.secondsForPilots());
   for (const auto& [group, photons] : groups) {
     const std::uint64_t needed =
         pathsOfGroup(paths, group, photons).value_or(kShortagePaths * photons);
@@ -103,7 +105,7 @@ PhotonSet tracePhotons(const Scene& scene, const PhotonMapRequest& request,
       if (group.contains(static_cast<PhotonClass>(c))) paths[c] = needed;
   }
 
-  PhotonSet set = tracer.trace(context.seed, 0, paths, context.stop, context.stats);
+  PhotonSet set = tracing.trace(tracer, paths);
   if (!set.isComplete) return set;
   for (const auto& [group, photons] : groups) {
     if (group.isEmpty()) continue;

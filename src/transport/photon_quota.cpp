@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "core/error.h"
+#include "core/log.h"
 #include "transport/photon_tracer.h"
 
 namespace brume {
@@ -24,11 +27,22 @@ Yield countClasses(const std::vector<Photon>& photons) {
   return yield;
 }
 
+double secondsSince(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// Of the time for photons, that their pilots may take.
+constexpr double kPilotShare = 0.3;
+/// However little time there is.
+constexpr double kFewestPaths = 1000;
+/// What trees and radii take for each photon [s], on one thread (bench/photon_tracing).
+constexpr double kSecondsPerStored = 3e-6;
+
 }  // namespace
 
 PathsPerClass pathsFor(const PhotonTracer& tracer, const PhotonCounts& wanted,
                        PhotonClasses optional, std::uint64_t seed, const std::atomic<bool>& stop,
-                       Stats& stats) {
+                       Stats& stats, double mostSeconds) {
   PathsPerClass paths{};
   if (wanted == PhotonCounts{}) return paths;
   if (!tracer.hasLights())
@@ -37,6 +51,7 @@ PathsPerClass pathsFor(const PhotonTracer& tracer, const PhotonCounts& wanted,
   // Pilot passes, each four times as large, until every class has shown enough photons.
   Yield yield{};
   std::uint64_t pilot = kFirstPilot;
+  const auto start = std::chrono::steady_clock::now();
   for (;; pilot *= 4) {
     PathsPerClass all{};
     for (std::size_t c = 0; c < kPhotonClasses; ++c) all[c] = wanted[c] > 0 ? pilot : 0;
@@ -45,7 +60,9 @@ PathsPerClass pathsFor(const PhotonTracer& tracer, const PhotonCounts& wanted,
     bool isEnough = true;
     for (std::size_t c = 0; c < kPhotonClasses; ++c)
       isEnough = isEnough && (wanted[c] == 0 || yield[c] >= kPilotPhotons);
-    if (isEnough || pilot >= kLastPilot) break;
+    // The next one takes three times as long as all so far.
+    const bool isLate = 4 * secondsSince(start) > mostSeconds;
+    if (isEnough || isLate || pilot >= kLastPilot) break;
   }
 
   for (std::size_t c = 0; c < kPhotonClasses; ++c) {
@@ -72,6 +89,38 @@ PathsPerClass pathsFor(const PhotonTracer& tracer, const PhotonCounts& wanted,
     }
   }
   return paths;
+}
+
+PhotonMapTracing::PhotonMapTracing(const PrepareContext& context)
+    : context_(context),
+      pathsBefore_(context.stats[Stat::PhotonPaths]),
+      photonsBefore_(context.stats[Stat::PhotonsStored]) {}
+
+double PhotonMapTracing::seconds() const { return secondsSince(start_); }
+
+double PhotonMapTracing::secondsForPilots() const {
+  return kPilotShare * context_.secondsForPhotons - seconds();
+}
+
+void PhotonMapTracing::limitToTime(PathsPerClass& paths) const {
+  const auto piloted = static_cast<double>(context_.stats[Stat::PhotonPaths] - pathsBefore_),
+             stored = static_cast<double>(context_.stats[Stat::PhotonsStored] - photonsBefore_);
+  const std::uint64_t most = *std::max_element(paths.begin(), paths.end());
+  const double spent = seconds(), left = context_.secondsForPhotons - spent;
+  const double room = std::max(kFewestPaths, left * piloted / (spent + kSecondsPerStored * stored));
+  if (!(piloted > 0) || static_cast<double>(most) <= room) return;
+  const auto fitting = static_cast<std::uint64_t>(room);
+  context_.log.warning({}, fmt::format("--time leaves room for {} light paths; the photons that "
+                                       "were asked for take {}",
+                                       fitting, most));
+  for (std::uint64_t& n : paths) n = std::min(n, fitting);
+}
+
+PhotonSet PhotonMapTracing::trace(const PhotonTracer& tracer, PathsPerClass paths) const {
+  if (std::isfinite(context_.secondsForPhotons)) limitToTime(paths);
+  const auto onShare = [this](double share) { context_.onShare("tracing photons", share); };
+  return tracer.trace(context_.seed, 0, paths, context_.stop, context_.stats, {},
+                      context_.onShare ? std::function<void(double)>(onShare) : nullptr);
 }
 
 }  // namespace brume

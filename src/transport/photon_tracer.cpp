@@ -377,7 +377,8 @@ std::optional<std::vector<float>> PhotonTracer::learnShares(std::uint64_t seed, 
 }
 
 PhotonSet PhotonTracer::trace(std::uint64_t seed, std::uint64_t pass, const PathsPerClass& paths,
-                              const std::atomic<bool>& stop, Stats& stats, PhotonSet old) const {
+                              const std::atomic<bool>& stop, Stats& stats, PhotonSet old,
+                              const std::function<void(double)>& onShare) const {
   PhotonSet set = std::move(old);
   set.paths = paths;
   set.isComplete = true;
@@ -398,6 +399,7 @@ PhotonSet PhotonTracer::trace(std::uint64_t seed, std::uint64_t pass, const Path
     Stats stats;
   };
   std::vector<Chunk> parts(chunks);
+  std::atomic<std::size_t> done = 0;
   forEachChunk(count, kChunk, [&](std::int64_t begin, std::int64_t end, std::int64_t chunk) {
     if (stop.load(std::memory_order_relaxed)) return;
     thread_local Deposits deposits;  // reused, so that its memory is
@@ -406,6 +408,7 @@ PhotonSet PhotonTracer::trace(std::uint64_t seed, std::uint64_t pass, const Path
     deposits.sortInto(part.photons);
     for (Photon& photon : part.photons)
       photon.power *= share[static_cast<std::size_t>(photon.photonClass())];
+    if (onShare) onShare(static_cast<double>(++done) / static_cast<double>(chunks));
   });
   set.isComplete = !stop.load(std::memory_order_relaxed);
   if (!set.isComplete) return set;

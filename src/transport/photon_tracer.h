@@ -5,9 +5,12 @@
 
 #include <array>
 #include <atomic>
+#include <chrono>
+#include <cmath>
 #include <functional>
 #include <span>
 
+#include "core/integrator.h"
 #include "core/scene.h"
 #include "transport/free_flight.h"
 #include "transport/path_random.h"
@@ -63,8 +66,10 @@ class PhotonTracer {
   bool hasLights() const { return !sources_.isEmpty(); }
 
   /// The paths [0, paths of the class) of a pass, in parallel. The memory of `old` is used again.
+  /// onShare(share) is called now and then, from any thread.
   PhotonSet trace(std::uint64_t seed, std::uint64_t pass, const PathsPerClass& paths,
-                  const std::atomic<bool>& stop, Stats& stats, PhotonSet old = {}) const;
+                  const std::atomic<bool>& stop, Stats& stats, PhotonSet old = {},
+                  const std::function<void(double)>& onShare = {}) const;
 
   /// What a path does for the image, squared, from its deposits, whose powers are as if it were the
   /// only path. Called in parallel.
@@ -119,9 +124,29 @@ using PhotonCounts = std::array<std::uint64_t, kPhotonClasses>;
 /// that the photons themselves stay unbiased: the number of paths does not depend on them. Throws
 /// SceneError, with the reason, when a class that is wanted stores nothing or would take more than
 /// 2^31 paths. Classes in `optional` get 0 paths when they store nothing, and no more than 64 paths
-/// per photon (2^20 at least) where few leave one: fewer photons then carry that light.
+/// per photon (2^20 at least) where few leave one: fewer photons then carry that light. The pilot
+/// does not grow beyond `mostSeconds`.
 PathsPerClass pathsFor(const PhotonTracer& tracer, const PhotonCounts& wanted,
                        PhotonClasses optional, std::uint64_t seed, const std::atomic<bool>& stop,
-                       Stats& stats);
+                       Stats& stats, double mostSeconds = HUGE_VAL);
+
+/// Traces the photons of a map within the time that there is for it, its tree included.
+class PhotonMapTracing {
+ public:
+  /// The clock starts here: pilots count.
+  explicit PhotonMapTracing(const PrepareContext& context);
+  double secondsForPilots() const;
+  /// Pass 0. Fewer paths than asked for, and a warning, where all would take longer than the pilots
+  /// leave time for (PrepareContext::secondsForPhotons).
+  PhotonSet trace(const PhotonTracer& tracer, PathsPerClass paths) const;
+
+ private:
+  double seconds() const;
+  void limitToTime(PathsPerClass& paths) const;
+
+  const PrepareContext& context_;
+  std::uint64_t pathsBefore_, photonsBefore_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
 
 }  // namespace brume

@@ -403,6 +403,35 @@ TEST(PhotonQuota, ShootsNoEndOfPathsForLightThatHardlyLeavesAny) {
   EXPECT_EQ(asked(PhotonClass::SurfaceIndirect), 64u * 200'000);
 }
 
+TEST(PhotonMapTracing, KeepsToItsTimeAndSaysSo) {
+  const auto job = sceneOf(kFogBall + box("\"color sigma_a\" [.2 .2 .2]", 1));
+  const PhotonTracer tracer(job->scene(), {kVolumePhotons});
+  Stats stats;
+  Log log({Verbosity::Normal, false, true});
+  PrepareContext context{1, {0, 1}, kGoOn, stats, log};
+  double share = 0;
+  context.onShare = [&](std::string_view what, double done) {
+    EXPECT_EQ(what, "tracing photons");
+    share = std::max(share, done);
+  };
+  PathsPerClass paths{};
+  paths[static_cast<std::size_t>(PhotonClass::VolumeUnscattered)] = 20'000;
+  EXPECT_EQ(PhotonMapTracing(context).trace(tracer, paths).paths, paths);
+  EXPECT_EQ(share, 1);
+  EXPECT_THAT(log.captured(), testing::IsEmpty());
+
+  // No time at all: the fewest paths.
+  context.secondsForPhotons = 0;
+  const PhotonMapTracing tracing(context);
+  tracer.trace(2, 0, paths, kGoOn, stats);  // a pilot
+  EXPECT_LT(tracing.secondsForPilots(), 0);
+  PathsPerClass few{};
+  few[static_cast<std::size_t>(PhotonClass::VolumeUnscattered)] = 1000;
+  EXPECT_EQ(tracing.trace(tracer, paths).paths, few);
+  EXPECT_THAT(log.captured(),
+              testing::ElementsAre(testing::HasSubstr("--time leaves room for 1000 light paths")));
+}
+
 TEST(PhotonQuota, SaysWhyNothingIsStored) {
   // The light looks away from the medium.
   const auto job =

@@ -162,8 +162,9 @@ PhotonSet PhotonMap::tracePhotons(const PhotonCounts& wanted, PrepareContext& co
   const PhotonTracer tracer(scene_, request);
   if (classes.isEmpty() || !tracer.hasLights()) return {};
 
-  PathsPerClass paths =
-      pathsFor(tracer, wanted, classes, context.seed, context.stop, context.stats);
+  const PhotonMapTracing tracing(context);
+  PathsPerClass paths = pathsFor(tracer, wanted, classes, context.seed, context.stop, context.stats,
+                                 tracing.secondsForPilots());
   for (std::size_t c = 0; c < kPhotonClasses; ++c)
     if (wanted[c] > 0 && paths[c] == 0 && !context.stop)
       context.log.warning(
@@ -174,7 +175,7 @@ PhotonSet PhotonMap::tracePhotons(const PhotonCounts& wanted, PrepareContext& co
   if (gathers)
     paths[static_cast<std::size_t>(PhotonClass::SurfaceDirect)] =
         paths[static_cast<std::size_t>(PhotonClass::SurfaceIndirect)];
-  return tracer.trace(context.seed, 0, paths, context.stop, context.stats);
+  return tracing.trace(tracer, paths);
 }
 
 void PhotonMap::describe(Plan& plan) const {
