@@ -39,6 +39,12 @@ struct PixelValue {
   double variance[3] = {0, 0, 0};
 };
 
+/// The nearest float, but the largest one for what is larger and finite: infinite stays infinite.
+float toFiniteFloat(double value) {
+  constexpr double kLargest = std::numeric_limits<float>::max();
+  return static_cast<float>(std::isfinite(value) ? std::min(value, kLargest) : value);
+}
+
 /// Mean of the samples; its variance as that of a weighted mean of independent samples, with
 /// Bessel's factor n/(n-1). Unclamped.
 PixelValue pixelValue(const FilmTile::Sums& sums, const FilmTile::Moments* moments) {
@@ -272,7 +278,7 @@ LayeredImage Film::develop() const {
     const PixelValue value = pixelValue(sums_[i], moments);
     for (int c = 0; c < 3; ++c) (*colour[c])[i] = static_cast<float>(std::max(0.0, value.L[c]));
     if (!samples) continue;
-    for (int c = 0; c < 3; ++c) (*variance[c])[i] = static_cast<float>(scale * value.variance[c]);
+    for (int c = 0; c < 3; ++c) (*variance[c])[i] = toFiniteFloat(scale * value.variance[c]);
     (*samples)[i] = static_cast<float>(moments->samples);
   }
   if (!layers_.empty()) developLayers(image);

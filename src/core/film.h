@@ -77,7 +77,8 @@ class Film {
     std::optional<Vec2i> resolution;           ///< --resolution
     std::optional<std::array<float, 4>> crop;  ///< --crop x0,x1,y0,y1
     bool quick = false;                        ///< --quick
-    bool variance = false;                     ///< someone needs the variance (--error)
+    bool variance = false;                     ///< wanted in the image
+    bool needsVariance = false;                ///< by who renders (--error), in the image or not
     bool layers = false;                       ///< --layers
     SourceLocation where;
     Log* log = nullptr;

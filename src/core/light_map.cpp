@@ -49,7 +49,6 @@ RgbImage readLightMap(const Filename& file, Log& log) {
       std::swap_ranges(&image.at(0, y), &image.at(0, y) + image.width,
                        &image.at(0, image.height - 1 - y));
 
-  constexpr float kLargestHalf = 65504;
   std::size_t changed = 0;
   for (Rgb& pixel : image.pixels)
     for (int c = 0; c < 3; ++c) {

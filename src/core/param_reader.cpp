@@ -22,9 +22,14 @@ std::vector<T> takeList(Param& param) {
 std::string rangeText(const ParamDecl& decl) {
   const bool hasLo = decl.lo > std::numeric_limits<float>::lowest(),
              hasHi = decl.hi < std::numeric_limits<int>::max();
-  if (hasLo && hasHi) return fmt::format("between {} and {}", decl.lo, decl.hi);
-  if (hasLo) return fmt::format("{} {}", decl.openLo ? "greater than" : "at least", decl.lo);
-  return fmt::format("at most {}", decl.hi);
+  // As the float that was declared, which has fewer digits than its double.
+  const auto bound = [&decl](double v) {
+    return decl.type == ParamType::Integer ? fmt::format("{}", v)
+                                           : fmt::format("{}", static_cast<float>(v));
+  };
+  if (hasLo && hasHi) return fmt::format("between {} and {}", bound(decl.lo), bound(decl.hi));
+  if (hasLo) return fmt::format("{} {}", decl.openLo ? "greater than" : "at least", bound(decl.lo));
+  return fmt::format("at most {}", bound(decl.hi));
 }
 
 }  // namespace

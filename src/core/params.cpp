@@ -89,9 +89,10 @@ void reportUnusedParams(const ParamSet& set, std::string_view pluginName, Origin
                         const std::vector<std::string>& declared, Log& log) {
   for (const Param& p : set.params()) {
     if (p.used) continue;
-    const std::string text =
-        fmt::format("'{}' has no parameter \"{} {}\"{}", pluginName, toString(p.type), p.name,
-                    nearestSpelling(p.name, declared));
+    std::string hint = nearestSpelling(p.name, declared);
+    if (hint.empty() && !declared.empty()) hint = fmt::format("; choose {}", listChoices(declared));
+    const std::string text = fmt::format("'{}' has no parameter \"{} {}\"{}", pluginName,
+                                         toString(p.type), p.name, hint);
     if (origin == Origin::Brume) throw SceneError(p.where, text);
     log.warning(p.where, text);
   }

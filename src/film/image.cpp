@@ -63,7 +63,8 @@ class ImageFilm final : public Film {
     settings.crop =
         cropPixels(settings.resolution, context.crop ? context.crop : params.cropwindow);
     settings.precision = params.precision;
-    settings.withVariance = params.variance || context.variance;
+    const bool wantsVariance = params.variance || context.variance;
+    settings.withVariance = wantsVariance || context.needsVariance;
     settings.withLayers = params.layers || context.layers;
     checkMemory(settings, context);
 
@@ -77,7 +78,7 @@ class ImageFilm final : public Film {
           settings.filename);
       throw context.outputName.empty() ? SceneError(context.where, text) : SceneError(text);
     }
-    if ((settings.withVariance || settings.withLayers) && !settings.filename.ends_with(".exr"))
+    if ((wantsVariance || settings.withLayers) && !settings.filename.ends_with(".exr"))
       context.log->warning(
           context.where,
           fmt::format("'{}' holds colour only: {} not "

@@ -57,6 +57,7 @@ class RenderRun {
   void writeOutput(const std::string& image, const RenderResult& result, PixelPrecision precision);
   void rescueImage(const Film::Settings& film, const RenderResult& soFar);
   void warnAboutFaults(const Stats& stats);
+  void warnOfHalves(const std::string& name, const LayeredImage& image);
   void say(const std::string& line) const {
     if (command_.log.verbosity != Verbosity::Quiet) std::fprintf(stderr, "%s\n", line.c_str());
   }
@@ -201,6 +202,22 @@ void RenderRun::render(RenderJob& job, FrameReport report) {
   if (!command_.statsFile.empty()) writeTextFile(command_.statsFile, statsJson(reports_));
   if (isInterrupted) throw Interrupted{};
   warnAboutFaults(result.stats);
+  if (film.precision == PixelPrecision::Half && film.filename.ends_with(".exr"))
+    warnOfHalves(film.filename, result.image);
+}
+
+/// What the image file cannot hold.
+void RenderRun::warnOfHalves(const std::string& name, const LayeredImage& image) {
+  const HalfLoss loss = lossAsHalves(image);
+  constexpr const char* kRemedy = "\"string precision\" \"float\" in the Film keeps them";
+  if (loss.tooBright > 0)
+    log_.warning({}, fmt::format("{} pixels of '{}' are brighter than {}, the largest half, and "
+                                 "stored as that; {}",
+                                 loss.tooBright, name, kLargestHalf, kRemedy));
+  if (loss.isTooDark)
+    log_.warning({}, fmt::format("all values of '{}' are so small that halves lose digits of them, "
+                                 "or all; {}",
+                                 name, kRemedy));
 }
 
 void RenderRun::warnAboutFaults(const Stats& stats) {

@@ -256,6 +256,61 @@ TEST_P(Signals, LeaveAReadableImage) {
   EXPECT_TRUE(isBlack || contains(result.err, "interrupted; wrote ball.exr")) << endOf(result.err);
 }
 
+TEST(Render, PhotonMapsKeepToTheTimeLimit) {
+  // Light that hardly reaches the fog: the photons asked for take minutes.
+  const TemporaryFolder folder;
+  folder.write("far.pbrt",
+               "Film \"image\" \"integer xresolution\" 8 \"integer yresolution\" 8\n"
+               "LookAt 0 0 -4 0 0 0 0 1 0 WorldBegin\n"
+               "Volume \"homogeneous\" \"color sigma_s\" [5 5 5] \"point p0\" [-1 -1 -1]\n"
+               "LightSource \"point\" \"color I\" [20 20 20] \"point from\" [0 4 0]\n"
+               "Shape \"disk\" \"float radius\" .1 WorldEnd\n");
+  const ProgramResult result = runBrume(
+      {{"far.pbrt", "--integrator", "bre:photons=100000000", "--time", "4s", "-o", "far.exr"},
+       folder.path()});
+  EXPECT_EQ(result.exitCode, 0) << result.err;
+  EXPECT_TRUE(contains(result.err, "--time leaves room for")) << result.err;
+#if !BRUME_ASAN
+  EXPECT_LT(result.seconds, 12) << result.err;
+#endif
+}
+
+TEST(Render, ErrorLimitsNeedNoRoomForVariances) {
+  const TemporaryFolder folder;
+  folder.write("ball.pbrt", smallScene("ball.exr"));
+  const ProgramResult result =
+      runBrume({{"ball.pbrt", "--error", "0.5", "--strict", "-o", "ball.png"}, folder.path()});
+  EXPECT_EQ(result.exitCode, 0) << result.err;
+  EXPECT_FALSE(contains(result.err, "variance")) << result.err;
+  const ProgramResult asked =
+      runBrume({{"ball.pbrt", "--variance", "-o", "ball.png"}, folder.path()});
+  EXPECT_TRUE(contains(asked.err, "the variance is not written")) << asked.err;
+}
+
+TEST(Render, WhatHalvesCannotHoldIsSaid) {
+  const TemporaryFolder folder;
+  const auto sky = [&](const std::string& L, const std::string& precision) {
+    folder.write("sky.pbrt",
+                 "Film \"image\" \"integer xresolution\" 4 \"integer yresolution\" 4\n"
+                 "\"bool variance\" \"true\" \"string precision\" \"" +
+                     precision +
+                     "\"\n"
+                     "Sampler \"random\" \"integer pixelsamples\" 4 WorldBegin\n"
+                     "LightSource \"infinite\" \"color L\" " +
+                     L + " WorldEnd\n");
+    const ProgramResult result = runBrume({{"sky.pbrt", "-o", "sky.exr"}, folder.path()});
+    EXPECT_EQ(result.exitCode, 0) << result.err;
+    return result.err;
+  };
+  EXPECT_TRUE(
+      contains(sky("[1e20 1 1]", "half"), "16 pixels of 'sky.exr' are brighter than 65504"));
+  const LayeredImage image = readLayeredImage((folder.path() / "sky.exr").string());
+  for (const float v : image.channels.at("variance.R")) EXPECT_TRUE(std::isfinite(v)) << v;
+  EXPECT_TRUE(contains(sky("[1e-20 0 0]", "half"), "all values of 'sky.exr' are so small"));
+  EXPECT_FALSE(contains(sky("[1 2 3]", "half"), "warning"));
+  EXPECT_FALSE(contains(sky("[1e20 1 1]", "float"), "warning"));
+}
+
 TEST(Render, SaysThatNothingWasRenderedYet) {
   const TemporaryFolder folder;
   folder.write(

@@ -120,8 +120,12 @@ LayeredImage decode(Imf::InputFile& file, const std::function<bool(const std::st
 
 half toHalf(float value) {
   if (!std::isfinite(value)) return half(value);
-  constexpr float kMax = 65504.f;
-  return half(std::clamp(value, -kMax, kMax));
+  return half(std::clamp(value, -kLargestHalf, kLargestHalf));
+}
+
+/// Channels that are no colours have values beyond those of half.
+bool isColour(const std::string& channel) {
+  return !channel.starts_with("variance.") && channel != "samples" && channel != "depth.Z";
 }
 
 }  // namespace
@@ -156,7 +160,7 @@ void writeExr(AtomicFile& out, const LayeredImage& image, PixelPrecision precisi
   const auto area = static_cast<std::size_t>(window.area());
   for (const auto& [name, values] : image.channels) {
     BRUME_CHECK(values.size() == area);
-    const bool isHalf = precision == PixelPrecision::Half;
+    const bool isHalf = precision == PixelPrecision::Half && isColour(name);
     const Imf::PixelType type = isHalf ? Imf::HALF : Imf::FLOAT;
     header.channels().insert(name, Imf::Channel(type));
     const void* pixels = values.data();

@@ -115,6 +115,23 @@ RgbImage toRgbImage(const LayeredImage& image) {
   return result;
 }
 
+HalfLoss lossAsHalves(const LayeredImage& image) {
+  constexpr float kSmallestWhole = 0x1p-14f;
+  HalfLoss loss;
+  float brightest = 0;
+  const auto area = static_cast<std::size_t>(image.dataWindow.area());
+  for (std::size_t i = 0; i < area; ++i) {
+    float largest = 0;
+    for (const char* name : {"R", "G", "B"})
+      if (const auto channel = image.channels.find(name); channel != image.channels.end())
+        largest = std::max(largest, std::abs(channel->second[i]));
+    loss.tooBright += std::isfinite(largest) && largest > kLargestHalf ? 1 : 0;
+    brightest = std::max(brightest, largest);
+  }
+  loss.isTooDark = brightest > 0 && brightest < kSmallestWhole;
+  return loss;
+}
+
 void writeImage(const std::string& path, const LayeredImage& image, PixelPrecision precision) {
   const ImageExtension* extension = findImageExtension(path);
   if (!extension || !extension->isWritable)

@@ -43,7 +43,16 @@ struct LayeredImage {
   bool has(const std::string& channel) const { return channels.count(channel) != 0; }
 };
 
+/// Half: of colours; depths, variances and numbers of samples are written as floats.
 enum class PixelPrecision { Half, Float };
+
+/// What R, G and B of an image lose as halves.
+struct HalfLoss {
+  std::size_t tooBright = 0;  ///< pixels beyond kLargestHalf, which they are stored as
+  bool isTooDark = false;     ///< no value reaches the smallest half with all digits, 2^-14
+};
+inline constexpr float kLargestHalf = 65504.f;
+HalfLoss lossAsHalves(const LayeredImage& image);
 
 /// Reads the file by its extension (.exr .png .pfm .tga .jpg .jpeg .hdr, in either case). EXR: all
 /// channels; the others R, G, B (8-bit values / 255, 16-bit / 65535, no gamma decode). Throws
@@ -62,7 +71,7 @@ RgbImage toRgbImage(const LayeredImage& image);
 
 /// Writes by extension: .exr (everything), .pfm (float RGB), .png (sRGB), .tga (sRGB); all but .exr
 /// hold R, G, B of the data window. The file appears whole or not at all: it is written beside its
-/// place and renamed. With PixelPrecision::Half finite values beyond 65504 are stored as +-65504.
+/// place and renamed. With PixelPrecision::Half finite colours beyond 65504 are stored as +-65504.
 /// Throws SceneError with the reason.
 void writeImage(const std::string& path, const LayeredImage& image,
                 PixelPrecision precision = PixelPrecision::Float);
