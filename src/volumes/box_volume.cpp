@@ -24,6 +24,9 @@ Rgb withoutNegatives(const Rgb& c, std::string_view name, const Volume::FactoryC
   return max(c, 0.f);
 }
 
+/// The largest extinction and emission: their products with lengths and each other are finite.
+constexpr double kLargestCoefficient = 1e30;
+
 Vec3d transformed(const Mat4d& m, const Vec3& v, double w) {
   return Vec3d(m * glm::dvec4(Vec3d(v), w));
 }
@@ -56,6 +59,20 @@ BoxVolume::BoxVolume(const VolumeParams& params, const FactoryContext& context)
   const Bounds3 bounds = BoxVolume::bounds();
   if (!(maxComponent(max(abs(bounds.lo), abs(bounds.hi))) <= kLargestCoordinate))
     throw SceneError(context.where, "the volume reaches beyond a distance of 1.8e18");
+}
+
+void BoxVolume::checkCoefficients(const FactoryContext& context) const {
+  const auto check = [&](const char* what, double coefficient) {
+    const double largest = coefficient * maxDensity();
+    if (!(largest <= kLargestCoefficient))
+      throw SceneError(context.where, fmt::format("{} times the largest density is {:g}; more than "
+                                                  "{:g} cannot be rendered",
+                                                  what, largest, kLargestCoefficient));
+  };
+  for (int c = 0; c < 3; ++c) {
+    check("\"sigma_a\" + \"sigma_s\"", double{unit_.sigma_a[c]} + double{unit_.sigma_s[c]});
+    check("\"Le\"", double{unit_.Le[c]});
+  }
 }
 
 Bounds3 BoxVolume::bounds() const { return volumeToWorld_.bounds({Vec3(lo_), Vec3(hi_)}); }

@@ -86,6 +86,8 @@ class BoxVolume : public Volume {
   /// range without empty ends; none when all of it is empty.
   virtual std::optional<IntervalD> tighten(const LocalRay&, IntervalD range) const { return range; }
 
+  /// For the ends of constructors. Throws SceneError for coefficients that floats cannot work with.
+  void checkCoefficients(const FactoryContext& context) const;
   const Vec3d& boxLo() const { return lo_; }
   const Vec3d& boxHi() const { return hi_; }
   /// At density 1.

@@ -51,6 +51,7 @@ class Cloud final : public TrackedBox {
     // The bounds are tight where a cell is small against what the noise does in it.
     constexpr double kCellsPerFeature = 8;
     buildCells(1 / (kCellsPerFeature * double{params.frequency}), context.where);
+    checkCoefficients(context);
   }
 
  protected:

@@ -46,6 +46,7 @@ class Exponential final : public BoxVolume {
                        fmt::format("the density a exp(-b h) overflows inside the box: a = {:g}, "
                                    "b = {:g}",
                                    params.a, params.b));
+    checkCoefficients(context);
   }
 
  protected:

@@ -12,7 +12,9 @@ namespace {
 class Homogeneous final : public BoxVolume {
  public:
   using Params = VolumeParams;
-  Homogeneous(const Params& params, const FactoryContext& context) : BoxVolume(params, context) {}
+  Homogeneous(const Params& params, const FactoryContext& context) : BoxVolume(params, context) {
+    checkCoefficients(context);
+  }
 
  protected:
   double density(const Vec3d&) const override { return 1; }

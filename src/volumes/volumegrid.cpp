@@ -47,6 +47,7 @@ class VolumeGrid final : public BoxVolume {
   VolumeGrid(Params params, const FactoryContext& context)
       : BoxVolume(params, context),
         grid_(takeGrid(std::move(params.density), params.nx, params.ny, params.nz, context.where)) {
+    checkCoefficients(context);
     for (int a = 0; a < 3; ++a) toLattice_[a] = grid_.size()[a] / (boxHi()[a] - boxLo()[a]);
     if (isEmissive()) emission_.emplace(grid_);
   }
