@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "transport/photon_map_integrator.h"
 
+#include <fmt/format.h>
+
+#include "core/plan.h"
 #include "transport/photon_mirror.h"
 
 namespace brume {
@@ -35,12 +38,34 @@ float largestReach(const PhotonKdTree& tree, std::size_t k) {
 
 }  // namespace
 
-void PhotonMapIntegrator::prepare(PrepareContext& context) {
+PhotonMapRequest PhotonMapIntegrator::request() const {
   PhotonMapRequest request;
   request.volumePhotons = static_cast<std::uint64_t>(params_.photons);
   request.surfacePhotons = static_cast<std::uint64_t>(params_.surfacephotons);
   request.unscatteredVolume = !params_.directvolume;
   request.maxDepth = params_.maxdepth;
+  return request;
+}
+
+void PhotonMapIntegrator::describe(Plan& plan) const {
+  const PhotonClasses wanted = showableClasses(scene_, request());
+  const bool isLoaded = !params_.files.loadphotons.empty();
+  const auto describeMap = [&](const char* what, PhotonClasses classes, int photons,
+                               const char* reason) {
+    if (!(wanted & classes).isEmpty())
+      plan.build(what, isLoaded ? fmt::format("from '{}'", params_.files.loadphotons)
+                                : fmt::format("about {} of them", photons));
+    else
+      plan.skip(what, photons > 0 ? reason : "none are asked for");
+  };
+  describeMap("map of photons in media", kVolumePhotons, params_.photons, "no medium scatters");
+  describeMap("map of photons on surfaces", kSurfacePhotons, params_.surfacephotons,
+              "nothing in the scene is diffuse");
+  planSkippedPhotons(scene_, plan);
+}
+
+void PhotonMapIntegrator::prepare(PrepareContext& context) {
+  const PhotonMapRequest request = this->request();
   const PhotonClasses wanted = showableClasses(scene_, request);
   const PhotonClasses required =
       wanted & (PhotonClass::VolumeUnscattered | PhotonClass::VolumeMultiple);

@@ -45,6 +45,7 @@ struct PhotonMapParams {
 class PhotonMapIntegrator : public RayGlobalIntegrator {
  public:
   void prepare(PrepareContext& context) final;
+  void describe(Plan& plan) const final;
   Rgb Li(const FootprintRay& ray, int depth, RenderContext& context) const final;
 
  protected:
@@ -60,6 +61,7 @@ class PhotonMapIntegrator : public RayGlobalIntegrator {
   virtual BeamEstimate estimate(const VolumePhotonMap& map, const MediumAlongRay& medium,
                                 RenderContext& context) const = 0;
 
+  PhotonMapRequest request() const;
   struct Visitor;
 
   PhotonMapParams params_;

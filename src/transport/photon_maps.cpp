@@ -80,6 +80,13 @@ PhotonClasses showableClasses(const Scene& scene, const PhotonMapRequest& reques
   return classes;
 }
 
+void planSkippedPhotons(const Scene& scene, Plan& plan) {
+  if (takeInventory(scene).specularMaterials == 0)
+    plan.skip("caustic photons", "no surface is specular");
+  if (!scene.contents().unsampledLights.empty())
+    plan.skip("photons of lights inside of object instances", "they show themselves, no more");
+}
+
 PhotonSet tracePhotons(const Scene& scene, const PhotonMapRequest& request,
                        const PrepareContext& context) {
   const PhotonClasses wanted = showableClasses(scene, request);

@@ -30,6 +30,9 @@ PhotonClasses showableClasses(const Scene& scene, const PhotonMapRequest& reques
 PhotonSet tracePhotons(const Scene& scene, const PhotonMapRequest& request,
                        const PrepareContext& context);
 
+/// What there are no photons of, and why.
+void planSkippedPhotons(const Scene& scene, Plan& plan);
+
 /// One map of surface photons of all times does not suit surfaces that move: says so.
 void warnOfMotion(const Scene& scene, const PrepareContext& context);
 

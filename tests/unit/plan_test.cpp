@@ -265,6 +265,20 @@ TEST(Plan, NoCausticPhotonsWithoutSpecularSurfaces) {
               Contains("skip  caustic photons: no surface is specular"));
 }
 
+TEST(Plan, MapsOfPhotonsAreBuiltForWhatShowsThem) {
+  const auto planOf = [](const std::string& params, const std::string& world) {
+    return renderBy("GlobalIntegrator \"bre\" \"integer photons\" 100 " + params, world).plan;
+  };
+  const auto inFog = planOf("\"integer surfacephotons\" 200", kLamp + kBall + kFog);
+  EXPECT_THAT(inFog, Contains("build map of photons in media: about 100 of them"));
+  EXPECT_THAT(inFog, Contains("build map of photons on surfaces: about 200 of them"));
+  EXPECT_THAT(inFog, Contains("skip  caustic photons: no surface is specular"));
+  const auto clear = planOf("\"integer surfacephotons\" 0", kLamp + kBall + kGlass);
+  EXPECT_THAT(clear, Contains("skip  map of photons in media: no medium scatters"));
+  EXPECT_THAT(clear, Contains("skip  map of photons on surfaces: none are asked for"));
+  EXPECT_THAT(clear, testing::Not(Contains(HasSubstr("caustic"))));
+}
+
 TEST(Plan, NoBeamsWithoutScatteringMedium) {
   const std::string smoke =
       "Volume \"homogeneous\" \"point p0\" [-2 -2 -2] \"point p1\" [2 2 2] \"color sigma_a\" [.3 "

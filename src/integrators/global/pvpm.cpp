@@ -176,11 +176,7 @@ void Pvpm::describe(Plan& plan) const {
   else
     plan.build("visible points and photons on surfaces",
                "caustics and indirect light; direct light is sampled");
-  if (!wanted_.contains(PhotonClass::VolumeCaustic) &&
-      !wanted_.contains(PhotonClass::SurfaceCaustic))
-    plan.skip("caustic photons", "no surface is specular");
-  if (!scene_.contents().unsampledLights.empty())
-    plan.skip("photons of lights inside of object instances", "they show themselves, no more");
+  planSkippedPhotons(scene_, plan);
 }
 
 /// How many beams a pass has, from a grid of pixels.
