@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include <cstring>
+#include <mutex>
 
 #include "core/bsdf.h"
 #include "core/parallel.h"
@@ -410,7 +411,9 @@ TEST(PhotonMapTracing, KeepsToItsTimeAndSaysSo) {
   Log log({Verbosity::Normal, false, true});
   PrepareContext context{1, {0, 1}, kGoOn, stats, log};
   double share = 0;
+  std::mutex mutex;
   context.onShare = [&](std::string_view what, double done) {
+    const std::lock_guard lock(mutex);
     EXPECT_EQ(what, "tracing photons");
     share = std::max(share, done);
   };
