@@ -46,7 +46,7 @@ class ImageFilm final : public Film {
         "default: all of it");
       v(display, "display", "accepted with a warning: brume opens no window");
       v(precision, "precision", {{"half", PixelPrecision::Half}, {"float", PixelPrecision::Float}},
-        "of the channels of an .exr file");
+        "of the colours in an .exr file; depths, variances and samples are floats");
       v(variance, "variance", "write the variance of each pixel and its number of samples (.exr)");
       v(layers, "layers",
         "write the parts of the light (volpath), depth, normal, albedo and transmittance (.exr)");
