@@ -74,6 +74,12 @@ std::vector<TestScene> scenes() {
        "LightSource \"point\" \"point from\" [0 .5 0]\n" + fog("\"color sigma_s\" [.01 .01 .01]"),
        {on, equiangular, towards}});
   result.push_back(
+      {"small-lamp-in-haze",
+       "AttributeBegin AreaLightSource \"diffuse\" \"color L\" [900 900 900] Translate 0 .5 "
+       "0 Shape \"sphere\" \"float radius\" .02 AttributeEnd\n" +
+           fog("\"color sigma_s\" [.05 .05 .05]"),
+       {on, equiangular}});
+  result.push_back(
       {"point-in-thick-fog",
        "LightSource \"point\" \"point from\" [0 .5 0]\n" + fog("\"color sigma_s\" [2 2 2]"),
        {on, equiangular, towards}});

@@ -8,13 +8,25 @@ namespace {
 
 /// V from which a segment looks at a light.
 constexpr double kWorthLooking = 0.25;
+/// The same for lights with an extent, whose variance is bounded and which directions find as well.
+constexpr double kWorthLookingAtArea = 2;
 /// The maximum of x exp(-2 x), at x = 1/2.
 constexpr double kMostFound = 0.18394;
 
-std::vector<const Light*> pointLights(const Scene& scene) {
+/// Of the media's radius: lights of a larger extent are found by flights and directions alone.
+constexpr double kSmallLight = 0.1;
+
+/// Lights that may be looked at: those of one point, and small ones.
+bool isSmall(const Light& light, double mediaRadius) {
+  return light.position() && double{light.extent()} <= kSmallLight * mediaRadius;
+}
+
+std::vector<const Light*> smallLights(const Scene& scene) {
   std::vector<const Light*> result;
+  if (!scene.volume()) return result;
+  const double mediaRadius = double{scene.volume()->bounds().radius()};
   for (const Light* light : emittingLights(scene))
-    if (light->isDelta() && light->position()) result.push_back(light);
+    if (isSmall(*light, mediaRadius)) result.push_back(light);
   return result;
 }
 
@@ -56,7 +68,7 @@ double relativeIrradiance2(double sigma, double mediaRadius, double outside, dou
 }  // namespace
 
 SegmentLights::SegmentLights(const Scene& scene, double evenShare)
-    : lights_(pointLights(scene), {{}, evenShare}) {
+    : lights_(smallLights(scene), {{}, evenShare}) {
   if (!scene.volume() || lights_.isEmpty()) return;
   media_ = scene.volume()->bounds();
   mediaRadius_ = double{media_.radius()};
@@ -102,18 +114,20 @@ bool SegmentLights::mayHelp(const MediumAlongRay& medium, const Rgb& channels) c
          kWorthLooking;
 }
 
-bool SegmentLights::looksAt(const MediumAlongRay& medium, const Rgb& channels,
-                            const Vec3& p) const {
+bool SegmentLights::looksAt(const MediumAlongRay& medium, const Rgb& channels, const Vec3& p,
+                            float extent) const {
   if (medium.isTracked()) return true;
   const View view(medium, Vec3d(p));
   const double sigma = drawn(channels, medium.opticalDepth()) / view.length;
   if (!(sigma > 0)) return false;
+  const double distance = std::sqrt(sqr(view.distance) + 0.25 * sqr(double{extent}));
   const double most = relativeIrradiance2(sigma, mediaRadius_, distanceFrom(media_, p),
-                                          std::max(view.distance, 1e-6 * view.length));
-  if (kMostFound * most <= kWorthLooking) return false;
-  const double x = sigma * std::min(view.distance, view.length);
+                                          std::max(distance, 1e-6 * view.length));
+  const double worth = extent > 0 ? kWorthLookingAtArea : kWorthLooking;
+  if (kMostFound * most <= worth) return false;
+  const double x = sigma * std::min(distance, view.length);
   const double tau = drawn(channels, medium.opticalDepth(static_cast<float>(view.nearest)));
-  return x * std::exp(-2 * x - tau) * most > kWorthLooking;
+  return x * std::exp(-2 * x - tau) * most > worth;
 }
 
 const LightTree::Cut<RayReceiver>& SegmentLights::cutFor(const MediumAlongRay& medium,
@@ -131,23 +145,24 @@ std::optional<SegmentLights::Sample> SegmentLights::sample(const MediumAlongRay&
   const auto choice = lights_.choose(cutFor(medium, chances), uChoice);
   if (!choice) return std::nullopt;
   const Vec3 position = *choice->light->position();
-  if (!looksAt(medium, channels, position)) return std::nullopt;
+  const float extent = choice->light->extent();
+  if (!looksAt(medium, channels, position, extent)) return std::nullopt;
   const Interval part = choice->light->illuminated(ray, range);
   if (part.isEmpty()) return std::nullopt;
-  const DistanceSample at = EquiangularSampler(ray, part, position).sample(uDistance);
+  const DistanceSample at = EquiangularSampler(ray, part, position, extent).sample(uDistance);
   return Sample{choice->light, at.t, choice->probability * at.pdf};
 }
 
 float SegmentLights::pdf(const MediumAlongRay& medium, const Rgb& channels, Chances& chances,
                          const Light& light, float t) const {
-  if (!light.isDelta() || !light.position()) return 0;
+  if (!isSmall(light, mediaRadius_)) return 0;
   const Vec3 position = *light.position();
-  if (!looksAt(medium, channels, position)) return 0;
+  if (!looksAt(medium, channels, position, light.extent())) return 0;
   const Ray& ray = medium.ray();
   const Interval range = medium.range(), part = light.illuminated(ray, range);
   if (part.isEmpty() || !(t >= part.t0 && t <= part.t1)) return 0;
   return lights_.probability(cutFor(medium, chances), &light) *
-         EquiangularSampler(ray, part, position).pdf(t);
+         EquiangularSampler(ray, part, position, light.extent()).pdf(t);
 }
 
 }  // namespace brume

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Point lights as seen from the segments of a path: where along a segment to look at which of them.
+// Small lights as seen from the segments of a path: where along a segment to look at which of them.
 #pragma once
 
 #include <cmath>
@@ -9,16 +9,18 @@
 
 namespace brume {
 
-/// Lights without extent that have a position, looked at from a distance of a segment that is drawn
-/// evenly in the angle under which the light sees it. This is worth its time where free flights, by
-/// which the light is found as well, leave much variance behind. A light at the distance n from the
-/// segment shines on a stretch of about min(n, L), L the segment's length; with the mean extinction
-/// sigma along it a flight ends there x = sigma min(n, L) times, so that flights alone have about
-/// the second moment x / n^4, attenuated on the way to the light (tau up to the nearest point) and
-/// from it. In units of what a segment at the typical distance has,
+/// Lights that have a position, and an extent of a tenth of the media's at most, looked at from a
+/// distance of a segment that is drawn evenly in the angle under which the light sees it
+/// (EquiangularSampler). This is worth its time where free flights, by which the light is found as
+/// well, leave much variance behind. A light at the distance n from the segment shines on a stretch
+/// of about min(n, L), L the segment's length (n no less than half of the light's extent); with the
+/// mean extinction sigma along it a flight ends there x = sigma min(n, L) times, so that flights
+/// alone have about the second moment x / n^4, attenuated on the way to the light (tau up to the
+/// nearest point) and from it. In units of what a segment at the typical distance has,
 ///   V = x exp(-2 x - tau) (N / n)^4 / min(1, sigma R)^2,  N = max(min(1 / sigma, R), outside),
 /// R the radius of the media, `outside` the light's distance from them: segments look at lights
-/// with V > 1/4. What is left out has a bounded variance. Test: segment_lights_test.
+/// with V > 1/4, at those with an extent, which directions find as well, with V > 2. What is left
+/// out has a bounded variance. Test: segment_lights_test.
 class SegmentLights {
  public:
   SegmentLights(const Scene& scene, double evenShare);
@@ -47,8 +49,9 @@ class SegmentLights {
                                float uChoice, float uDistance) const;
   float pdf(const MediumAlongRay& medium, const Rgb& channels, Chances& chances, const Light& light,
             float t) const;
-  /// Whether a segment looks at a light at p.
-  bool looksAt(const MediumAlongRay& medium, const Rgb& channels, const Vec3& p) const;
+  /// Whether a segment looks at a light around p.
+  bool looksAt(const MediumAlongRay& medium, const Rgb& channels, const Vec3& p,
+               float extent = 0) const;
 
  private:
   void findLeastExtinction();

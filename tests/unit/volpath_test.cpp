@@ -212,6 +212,22 @@ TEST(VolPath, TechniquesAgreeOnPointLightsInAMedium) {
       64);
 }
 
+TEST(VolPath, TechniquesAgreeOnSmallLightsInAMedium) {
+  // Two media whose phase functions differ: what a vertex carries decides between them.
+  expectTechniquesAgree(
+      "AttributeBegin AreaLightSource \"diffuse\" \"color L\" [30 20 10] Translate .3 .2 .4\n"
+      "Shape \"sphere\" \"float radius\" .08 AttributeEnd\n"
+      "AttributeBegin AreaLightSource \"diffuse\" \"color L\" [10 20 30] Translate -.4 .3 0\n"
+      "Rotate 60 1 .5 0 Shape \"disk\" \"float radius\" .1 AttributeEnd\n"
+      "Volume \"homogeneous\" \"color sigma_s\" [.1 .2 .3] \"color sigma_a\" [.2 .1 0] \"float g\" "
+      ".4 " +
+          kBox +
+          "\nVolume \"homogeneous\" \"color sigma_s\" [.3 .1 0] \"float g\" -.6 \"point p0\" "
+          "[-.2 -1 -1] \"point p1\" [1 .6 1]\n" +
+          kMatteFloor,
+      {"", "\"bool equiangular\" \"false\"", "\"string lights\" \"even\""}, 256);
+}
+
 TEST(VolPath, TechniquesAgreeOnEmittingMedia) {
   // A small flame beside a smoke that glows a little, over a floor; the flame is partly hidden by a
   // wall and overlaps the smoke.

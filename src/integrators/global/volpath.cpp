@@ -114,12 +114,12 @@ class SurfaceVertex {
 /// in full, by their exact attenuation; then one free flight, drawn by inversion of the exact
 /// optical depth, decides where the path goes on: in the medium, or at the surface. At every vertex
 /// one light is sampled, emitting media among them, and the ray that goes on finds light as well;
-/// both are weighted by the power heuristic. Lights without extent are moreover seen from an
-/// equiangular distance of every segment (Kulla, Fajardo 2012), and some directions are drawn
+/// both are weighted by the power heuristic. Small lights are moreover seen from an equiangular
+/// distance of every segment (Kulla, Fajardo 2012), and some directions are drawn
 /// around those inside media, so that their surroundings have finite variance. Chromatic media: the
 /// channel that draws the distance is chosen by throughput, and the weight divides by the mean of
 /// the channels' densities, so that it stays bounded. Emitting media are looked at from where they
-/// fill few of the directions, and point lights from segments that flights seldom end on near them:
+/// fill few of the directions, and small lights from segments that flights seldom end on near them:
 /// elsewhere the path finds them by itself. Unbiased. What it cannot find: light of a
 /// point, spot, distant or projection light that arrives through glass or off a mirror. Source:
 /// Novak et al. 2018, Monte Carlo Methods for Volumetric Light Transport Simulation. Test:
@@ -137,7 +137,7 @@ class VolPath final : public RayGlobalIntegrator {
       v(lights, "lights", {{"tree", LightsBy::Tree}, {"even", LightsBy::Even}},
         "how the light that a vertex looks at is chosen: by what it sends there, or evenly");
       v(equiangular, "equiangular",
-        "look at point lights from a distance of every segment drawn by angle");
+        "look at small lights from a distance of every segment drawn by angle");
       v(towardslights, "towardslights", "draw some directions around point lights in media");
       v(emissionsampling, "emissionsampling", "look at emitting media as at lights");
     }
@@ -196,8 +196,9 @@ class VolPath final : public RayGlobalIntegrator {
   float emissionWeight(const PathState& path, const MediumAlongRay& medium) const;
   Rgb equiangularLight(const PathState& path, Segment& segment, RenderContext& context) const;
   static Flight sampleFlight(PathState& path, const Segment& segment, RenderContext& context);
-  template <class Vertex, class PointWeight>
-  Rgb sampleLight(const Vertex& vertex, const Towards& towards, PointWeight&& pointWeight,
+  Towards towardsFrom(const Vec3& p, RenderContext& context) const;
+  template <class Vertex, class DistanceWeight>
+  Rgb sampleLight(const Vertex& vertex, const Towards& towards, DistanceWeight&& distanceWeight,
                   RenderContext& context) const;
   template <class Vertex>
   Rgb sampleEmission(const Vertex& vertex, const Towards& towards, float choice, Vec2 u,
@@ -205,8 +206,8 @@ class VolPath final : public RayGlobalIntegrator {
   template <class Vertex>
   static std::optional<Outgoing> sampleDirection(const Vertex& vertex, const Towards& towards,
                                                  const FootprintRay& ray, RenderContext& context);
-  template <class Vertex, class PointWeight>
-  bool scatter(PathState& path, const Vertex& vertex, PointWeight&& pointWeight,
+  template <class Vertex, class DistanceWeight>
+  bool scatter(PathState& path, const Vertex& vertex, DistanceWeight&& distanceWeight,
                RenderContext& context) const;
   bool survives(PathState& path, RenderContext& context) const;
 
@@ -263,10 +264,11 @@ float VolPath::emissionWeight(const PathState& path, const MediumAlongRay& mediu
   return powerHeuristic(path.arrival.pdf, choice * emission_.pdf(path.ray, medium));
 }
 
-/// Light of a source with a position, scattered at a distance that is drawn evenly in the angle
-/// under which the source sees the segment: like 1 / distance^2, which free flights do not follow,
-/// so that alone they have no finite variance around a point light. Weighted by the balance
-/// heuristic against the light that is sampled at the end of the free flight.
+/// Light of a small source, scattered at a distance that is drawn evenly in the angle under which
+/// the source sees the segment: like 1 / distance^2, which free flights do not follow, so that
+/// alone they have no finite variance around a point light. Weighted by the balance heuristic
+/// against the light that is sampled at the end of the free flight; both take the same share, which
+/// depends on the vertex and the direction alone, against directions that hit the source.
 Rgb VolPath::equiangularLight(const PathState& path, Segment& segment,
                               RenderContext& context) const {
   segment.looksAtLights =
@@ -280,15 +282,28 @@ Rgb VolPath::equiangularLight(const PathState& path, Segment& segment,
   if (!(at->pdf > 0) || medium.sigma_s.isBlack()) return {};
 
   context.stats.add(Stat::VolumeSamples);
-  const MediumVertex vertex(scene_, path.ray, at->t, path.throughput * medium.sigma_s);
-  const auto light = at->light->sampleLi(vertex.p(), Vec2(.5f));
-  if (!light || light->L.isBlack()) return {};
+  const Rgb carried = path.throughput * segment.medium.transmittance(at->t) * medium.sigma_s;
+  if (carried.isBlack()) return {};
+  const MediumVertex vertex(scene_, path.ray, at->t, carried);
+  const bool isPoint = at->light->isDelta();
+  const auto light = at->light->sampleLi(vertex.p(), isPoint ? Vec2(.5f) : context.samples.get2D());
+  if (!light || !(light->pdf > 0) || light->L.isBlack()) return {};
   const Ray shadow = vertex.shadowRay(*light);
   if (scene_.isOccluded(shadow, context.stats)) return {};
-  const float pdf = at->pdf + lightsFor(vertex.p()).probability(vertex.receiver(), at->light) *
-                                  segment.flightPdf(at->t);
-  return path.throughput * segment.medium.transmittance(at->t) * medium.sigma_s * light->L *
-         transmittance(shadow) * vertex.evaluate(light->wi).f / pdf;
+  const float choice = lightsFor(vertex.p()).probability(vertex.receiver(), at->light);
+  const BsdfValue value = vertex.evaluate(light->wi);
+  float share = 1;
+  if (!isPoint) {
+    const Towards towards = towardsFrom(vertex.p(), context);
+    share = powerHeuristic(choice * light->pdf, towards.mixed(light->wi, value.pdf));
+  }
+  const float pdf = (at->pdf + choice * segment.flightPdf(at->t)) * light->pdf;
+  return carried * light->L * transmittance(shadow) * value.f * (share / pdf);
+}
+
+VolPath::Towards VolPath::towardsFrom(const Vec3& p, RenderContext& context) const {
+  if (!params_.towardslights || towards_.isEmpty()) return {};
+  return towards_.from(p, context.samples.get1D());
 }
 
 /// Draws a free flight; the throughput takes the attenuation, sigma_s and the density in.
@@ -320,11 +335,10 @@ VolPath::Flight VolPath::sampleFlight(PathState& path, const Segment& segment,
 }
 
 /// Next-event estimation: light of one source, chosen for this vertex, that is scattered into the
-/// path. pointWeight(choice) is the weight of lights without extent, which only other techniques
-/// than the path's next ray can find.
-template <class Vertex, class PointWeight>
-Rgb VolPath::sampleLight(const Vertex& vertex, const Towards& towards, PointWeight&& pointWeight,
-                         RenderContext& context) const {
+/// path. distanceWeight(choice) is the weight against looking at it from another distance.
+template <class Vertex, class DistanceWeight>
+Rgb VolPath::sampleLight(const Vertex& vertex, const Towards& towards,
+                         DistanceWeight&& distanceWeight, RenderContext& context) const {
   const float uChoice = context.samples.get1D();
   const Vec2 u = context.samples.get2D();
   const auto choice = lightsFor(vertex.p()).choose(vertex.receiver(), uChoice);
@@ -337,10 +351,9 @@ Rgb VolPath::sampleLight(const Vertex& vertex, const Towards& towards, PointWeig
   const Ray shadow = vertex.shadowRay(*light);
   if (scene_.isOccluded(shadow, context.stats)) return {};
   const float pdf = choice->probability * light->pdf;
-  const float weight = choice->light->isDelta()
-                           ? pointWeight(*choice)
-                           : powerHeuristic(pdf, towards.mixed(light->wi, value.pdf));
-  return transmittance(shadow) * light->L * value.f * (weight / pdf);
+  const float share =
+      choice->light->isDelta() ? 1.f : powerHeuristic(pdf, towards.mixed(light->wi, value.pdf));
+  return transmittance(shadow) * light->L * value.f * (distanceWeight(*choice) * share / pdf);
 }
 
 /// The same for the emission of the media along a direction towards one of their points.
@@ -392,16 +405,15 @@ std::optional<Outgoing> VolPath::sampleDirection(const Vertex& vertex, const Tow
 }
 
 /// Light sampled at a vertex, then the direction in which the path goes on. False: it ends.
-template <class Vertex, class PointWeight>
-bool VolPath::scatter(PathState& path, const Vertex& vertex, PointWeight&& pointWeight,
+template <class Vertex, class DistanceWeight>
+bool VolPath::scatter(PathState& path, const Vertex& vertex, DistanceWeight&& distanceWeight,
                       RenderContext& context) const {
   Towards towards;
   const PathComponent component = after(path.component, Vertex::kScattering);
   if (vertex.seesLights()) {
-    if (params_.towardslights && !towards_.isEmpty())
-      towards = towards_.from(vertex.p(), context.samples.get1D());
-    addLight(path, component, path.throughput * sampleLight(vertex, towards, pointWeight, context),
-             context);
+    towards = towardsFrom(vertex.p(), context);
+    addLight(path, component,
+             path.throughput * sampleLight(vertex, towards, distanceWeight, context), context);
   }
   const auto outgoing = sampleDirection(vertex, towards, path.ray, context);
   if (!outgoing) return false;
