@@ -52,38 +52,41 @@ TEST_P(ClosedForm, EmittingSlabsFollowKirchhoff) {
     }
 }
 
-/// Trilinear density by a fine midpoint rule along the line from a to b, per unit of its parameter.
-double meanDensity(const std::array<double, 3>& a, const std::array<double, 3>& b) {
-  constexpr int kSteps = 200000;
-  double sum = 0;
+using Point = std::array<double, 3>;
+
+/// What is let through between two points of the box's surface by a grid that absorbs, `density` of
+/// a point by a fine midpoint rule; `grid` is its text for given coefficients.
+template <class Density, class Grid>
+void expectLetThrough(const Method& method, const Point& in, const Point& out,
+                      const Density& density, const Grid& grid, double tolerance) {
+  constexpr int kSteps = 400000;
+  double length2 = 0, depth = 0;
+  for (std::size_t a = 0; a < 3; ++a) length2 += (out[a] - in[a]) * (out[a] - in[a]);
   for (int i = 0; i < kSteps; ++i) {
     const double s = (i + 0.5) / kSteps;
-    sum +=
-        unevenDensity(a[0] + s * (b[0] - a[0]), a[1] + s * (b[1] - a[1]), a[2] + s * (b[2] - a[2]));
+    depth += density(Point{in[0] + s * (out[0] - in[0]), in[1] + s * (out[1] - in[1]),
+                           in[2] + s * (out[2] - in[2])});
   }
-  return sum / kSteps;
+  depth *= std::sqrt(length2) / kSteps;
+  const std::string lookAt =
+      fmt::format("{} {} {}  {} {} {}  0 1 0", 2 * in[0] - out[0], 2 * in[1] - out[1],
+                  2 * in[2] - out[2], out[0], out[1], out[2]);
+  const Point sigma = {0.2, 1, 3};
+  Point expected;
+  for (std::size_t c = 0; c < 3; ++c) expected[c] = std::exp(-sigma[c] * depth);
+  // The field of view of a thousandth of a degree spans 1e-5 of the density.
+  expectExactly(method, {lookAt, sky() + grid("\"color sigma_a\" " + rgbText(sigma)), 1e-5},
+                expected, tolerance, lookAt);
 }
 
 TEST_P(ClosedForm, UnevenGridsAreIntegratedExactly) {
+  const auto density = [](const Point& p) { return unevenDensity(p[0], p[1], p[2]); };
+  const auto grid = [](const std::string& coefficients) { return unevenGrid(coefficients); };
   // From the middle of one face of the box to that of another, and between corners.
-  const std::array<std::array<double, 3>, 2> kRays[] = {{{{0.1, 0.2, 1}, {-0.3, -0.4, -1}}},
-                                                        {{{1, 1, 1}, {-1, -1, -1}}},
-                                                        {{{-1, 0.3, -1}, {1, 0.3, 1}}}};
-  for (const auto& [in, out] : kRays) {
-    double length = 0;
-    for (std::size_t a = 0; a < 3; ++a) length += (out[a] - in[a]) * (out[a] - in[a]);
-    const double density = meanDensity(in, out) * std::sqrt(length);
-    const std::string lookAt =
-        fmt::format("{} {} {}  {} {} {}  0 1 0", 2 * in[0] - out[0], 2 * in[1] - out[1],
-                    2 * in[2] - out[2], out[0], out[1], out[2]);
-    const std::array<double, 3> sigma = {0.2, 1, 3};
-    std::array<double, 3> expected;
-    for (std::size_t c = 0; c < 3; ++c) expected[c] = std::exp(-sigma[c] * density);
-    // The field of view of a thousandth of a degree spans 1e-5 of the density.
-    expectExactly(GetParam(),
-                  {lookAt, sky() + unevenGrid("\"color sigma_a\" " + rgbText(sigma)), 1e-5},
-                  expected, 1e-4, lookAt);
-  }
+  const std::array<Point, 2> kRays[] = {{{{0.1, 0.2, 1}, {-0.3, -0.4, -1}}},
+                                        {{{1, 1, 1}, {-1, -1, -1}}},
+                                        {{{-1, 0.3, -1}, {1, 0.3, 1}}}};
+  for (const auto& [in, out] : kRays) expectLetThrough(GetParam(), in, out, density, grid, 1e-4);
 }
 
 /// A long grid, empty but for two walls that are not even: whole blocks of it are stepped over.
@@ -100,7 +103,7 @@ class WalledGrid {
     return result + "]\n";
   }
   /// Trilinear between the voxels' centres, constant beyond the outer ones.
-  double at(const std::array<double, 3>& p) const {
+  double at(const Point& p) const {
     double sum = 0;
     std::array<int, 3> low;
     std::array<double, 3> part;
@@ -126,31 +129,14 @@ class WalledGrid {
 };
 
 TEST_P(ClosedForm, NothingIsLostBetweenEmptyBlocks) {
-  const WalledGrid grid;
-  const std::array<std::array<double, 3>, 2> kRays[] = {{{{-1, -0.3, 0.1}, {1, 0.4, -0.5}}},
-                                                        {{{1, 0.9, 0.9}, {-1, -0.9, -0.9}}},
-                                                        {{{-0.83, 1, 0.2}, {-0.76, -1, -0.3}}}};
-  for (const auto& [in, out] : kRays) {
-    constexpr int kSteps = 400000;
-    double depth = 0, length = 0;
-    for (int i = 0; i < kSteps; ++i) {
-      const double s = (i + 0.5) / kSteps;
-      std::array<double, 3> p;
-      for (std::size_t a = 0; a < 3; ++a) p[a] = in[a] + s * (out[a] - in[a]);
-      depth += grid.at(p) / kSteps;
-    }
-    for (std::size_t a = 0; a < 3; ++a) length += (out[a] - in[a]) * (out[a] - in[a]);
-    const std::array<double, 3> sigma = {0.2, 1, 3};
-    std::array<double, 3> expected;
-    for (std::size_t c = 0; c < 3; ++c)
-      expected[c] = std::exp(-sigma[c] * depth * std::sqrt(length));
-    const std::string lookAt =
-        fmt::format("{} {} {}  {} {} {}  0 1 0", 2 * in[0] - out[0], 2 * in[1] - out[1],
-                    2 * in[2] - out[2], out[0], out[1], out[2]);
-    expectExactly(GetParam(),
-                  {lookAt, sky() + grid.text("\"color sigma_a\" " + rgbText(sigma)), 1e-5},
-                  expected, 2e-4, lookAt);
-  }
+  const WalledGrid walled;
+  const auto density = [&](const Point& p) { return walled.at(p); };
+  const auto grid = [&](const std::string& coefficients) { return walled.text(coefficients); };
+  // Along the grid, and along the first wall.
+  const std::array<Point, 2> kRays[] = {{{{-1, -0.3, 0.1}, {1, 0.4, -0.5}}},
+                                        {{{1, 0.9, 0.9}, {-1, -0.9, -0.9}}},
+                                        {{{-0.83, 1, 0.2}, {-0.76, -1, -0.3}}}};
+  for (const auto& [in, out] : kRays) expectLetThrough(GetParam(), in, out, density, grid, 2e-4);
 }
 
 TEST_P(ClosedForm, MovingShapesHideTheSkyForTheirTime) {
