@@ -61,6 +61,10 @@ namespace {
 /// Of --time, that photon maps may take.
 constexpr double kPhotonShare = 0.5;
 
+double secondsSince(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
 /// Shows what is done before the first pass; may be told of it by many threads.
 class PrepareProgress {
  public:
@@ -69,8 +73,7 @@ class PrepareProgress {
   void show(std::string_view what, double share) {
     const std::unique_lock lock(mutex_, std::try_to_lock);
     if (!lock || !progress_) return;
-    const double now =
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    const double now = secondsSince(start_);
     if (now < nextReport_) return;
     nextReport_ = now + kSecondsBetweenReports;
     RenderProgress p;
@@ -132,7 +135,7 @@ RenderJob::Parts::Parts(SceneDescription description, const RenderSettings& sett
   checkLayers();
   for (const std::string& line : planLines()) log.verbose("plan: " + line);
   plugins = factory.takeUsed();
-  setupSeconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  setupSeconds = secondsSince(begin);
 }
 
 void RenderJob::Parts::makeImageSide(RenderOptions& options, PluginFactory& factory, Log&) {
@@ -308,8 +311,7 @@ RenderResult RenderJob::run(const std::atomic<bool>& stop,
   prepare.onShare = [&](std::string_view what, double share) { prepareProgress.show(what, share); };
   if (p.global) p.global->prepare(prepare);
   if (p.surface) p.surface->prepare(prepare);
-  limits.secondsSpent =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  limits.secondsSpent = secondsSince(start);
 
   RenderWatch watch{progress, {}, {}};
   if (snapshot)

@@ -8,6 +8,7 @@
 #include "core/log.h"
 #include "core/plan.h"
 #include "transport/photon_demand.h"
+#include "transport/photon_quota.h"
 
 namespace brume {
 namespace {

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "transport/photon_quota.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 
 #include "core/error.h"
 #include "core/log.h"
-#include "transport/photon_tracer.h"
 
 namespace brume {
 namespace {

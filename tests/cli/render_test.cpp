@@ -257,7 +257,7 @@ TEST_P(Signals, LeaveAReadableImage) {
 }
 
 TEST(Render, PhotonMapsKeepToTheTimeLimit) {
-  // Light that hardly reaches the fog: the photons asked for take minutes.
+  // A hundred million photons take minutes.
   const TemporaryFolder folder;
   folder.write("far.pbrt",
                "Film \"image\" \"integer xresolution\" 8 \"integer yresolution\" 8\n"

@@ -12,6 +12,7 @@
 #include "support/estimate.h"
 #include "support/make_plugin.h"
 #include "support/render_text.h"
+#include "transport/photon_quota.h"
 
 namespace brume {
 namespace {

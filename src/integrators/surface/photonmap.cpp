@@ -10,6 +10,7 @@
 #include "transport/final_gather.h"
 #include "transport/light_tree.h"
 #include "transport/photon_maps.h"
+#include "transport/photon_quota.h"
 #include "transport/photon_store.h"
 #include "transport/specular.h"
 
