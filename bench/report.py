@@ -22,8 +22,9 @@ import tempfile
 import common
 import compare
 import error_table
+import pass_shares
 import plan_gains
-from pass_shares import ALONE, EVALUATION, PHASES
+import scene_rates
 from svg_plot import grid_of_plots, short
 
 PAGE = common.ROOT / "docs" / "benchmarks.md"
@@ -185,22 +186,16 @@ def show_beams(figures):
     return [common.machine_line(figures["machine"]) + ".", "", *figures["report"], "", *figures["splat"]]
 
 
-def run_shares():
+def run_shares(integrator, part):
     MEASURED.mkdir(exist_ok=True)
-    script("pass_shares.py", "--json", MEASURED / "shares.json")
+    script("pass_shares.py", "--integrator", integrator, "--json", MEASURED / f"{part}.json")
 
 
-def show_shares(figures):
+def show_shares(integrator, figures):
     scenes = figures["shares"]
-    lines = [common.machine_line(figures["machine"]) + ".", "",
-             "| phase | " + " | ".join(scenes) + " |", "|---|" + "---|" * len(scenes)]
-    for name, _ in PHASES:
-        lines.append(f"| {name} | " + " | ".join(f"{of[name]:.1%}" for of in scenes.values()) + " |")
-    for title, parts in EVALUATION.items():
-        lines.append(f"| **{title}** | " + " | ".join(f"**{sum(of[name] for name in parts):.0%}**"
-                                                      for of in scenes.values()) + " |")
-    lines.append(f"| {ALONE} | " + " | ".join(f"{of[ALONE]:.1%}" for of in scenes.values()) + " |")
-    return lines
+    return [common.machine_line(figures["machine"]) + ".", "",
+            "| phase | " + " | ".join(scenes) + " |", "|---|" + "---|" * len(scenes)] + \
+        [f"| {name} | {' | '.join(values)} |" for name, values in pass_shares.table(integrator, scenes)]
 
 
 def run_techniques():
@@ -247,15 +242,26 @@ def show_flights(figures):
     return lines
 
 
+def run_rates():
+    MEASURED.mkdir(exist_ok=True)
+    script("scene_rates.py", "--json", MEASURED / "rates.json")
+
+
+def show_rates(figures):
+    return [common.machine_line(figures["machine"]) + ".", "", *scene_rates.markdown(figures["rows"])]
+
+
 PARTS = {
     "errors": (run_errors, show_errors),
     "micro": (run_micro, show_micro),
     "plan": (run_plan, show_plan),
     "speed": (run_speed, show_speed),
     "beams": (run_beams, show_beams),
-    "shares": (run_shares, show_shares),
+    "shares": (lambda: run_shares("pvpm", "shares"), lambda figures: show_shares("pvpm", figures)),
+    "volpath": (lambda: run_shares("volpath", "volpath"), lambda figures: show_shares("volpath", figures)),
     "techniques": (run_techniques, show_techniques),
     "flights": (run_flights, show_flights),
+    "rates": (run_rates, show_rates),
 }
 
 

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Rays and paths per second and core on every scene of scenes/, path-traced by "volpath".
 
-    bench/scene_rates.py [--brume build/brume] [--seconds 1] [SCENE ...]
+    bench/scene_rates.py [--seconds 1] [--json FILE] [SCENE ...]
 
 One thread. Each scene is rendered twice, with few and with more samples, and the difference of the counters is divided by
 that of the processor times, so that reading, building and writing are left out. Prints a Markdown table: rays are those
@@ -15,7 +15,7 @@ import resource
 import subprocess
 import tempfile
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
+import common
 
 
 def run(brume, scene, samples, folder):
@@ -46,17 +46,26 @@ def measure(brume, scene, wanted, folder):
     return rays / cpu, gained["Rays/camera"] / cpu, gained["Paths/segments"] / cpu
 
 
+def markdown(rows):
+    return ["| scene | rays/s | paths/s | segments/s |", "|---|---|---|---|"] + \
+        [f"| {name} | {rays / 1e6:.2f} M | {paths / 1e6:.3f} M | {segments / 1e6:.2f} M |"
+         for name, rays, paths, segments in rows]
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("scenes", nargs="*", type=pathlib.Path)
-    parser.add_argument("--brume", type=pathlib.Path, default=ROOT / "build" / "brume")
     parser.add_argument("--seconds", type=float, default=1, help="processor seconds of the longer render, at least")
+    parser.add_argument("--json", type=pathlib.Path)
     options = parser.parse_args()
-    print("| scene | rays/s | paths/s | segments/s |\n|---|---|---|---|")
+    rows = []
     with tempfile.TemporaryDirectory() as folder:
-        for scene in options.scenes or sorted((ROOT / "scenes").glob("*.pbrt")):
-            rays, paths, segments = measure(options.brume.resolve(), scene, options.seconds, pathlib.Path(folder))
-            print(f"| {scene.stem} | {rays / 1e6:.2f} M | {paths / 1e6:.3f} M | {segments / 1e6:.2f} M |", flush=True)
+        for scene in options.scenes or sorted((common.ROOT / "scenes").glob("*.pbrt")):
+            rates = measure(common.built("brume"), scene, options.seconds, pathlib.Path(folder))
+            rows.append([scene.stem, *rates])
+    print("\n".join(markdown(rows)))
+    if options.json:
+        options.json.write_text(json.dumps({"machine": common.machine(), "rows": rows}, indent=1) + "\n")
 
 
 if __name__ == "__main__":

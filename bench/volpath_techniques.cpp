@@ -57,7 +57,9 @@ std::string manyLights(int count) {
 std::vector<TestScene> scenes() {
   const std::string on,
       equiangular = "\"bool equiangular\" \"false\"", towards = "\"bool towardslights\" \"false\"",
-      emission = "\"bool emissionsampling\" \"false\"", even = "\"string lights\" \"even\"";
+      emission = "\"bool emissionsampling\" \"false\"", even = "\"string lights\" \"even\"",
+      looking = "\"string lightfoundby\" \"looking\"",
+      hitting = "\"string lightfoundby\" \"hitting\"", roulette = "\"bool roulette\" \"false\"";
   const std::string sky = "LightSource \"infinite\" \"color L\" [1 1 1]\n";
   const std::string flame =
       "Volume \"homogeneous\" \"color Le\" [500 300 90] \"color sigma_a\" [1 1 1]\n"
@@ -97,7 +99,37 @@ std::vector<TestScene> scenes() {
   result.push_back({"glowing-fog",
                     kFloor + fog("\"color sigma_s\" [1 1 1] \"color Le\" [1 1 1]"),
                     {on, emission}});
-  result.push_back({"sky", sky + kFloor + fog("\"color sigma_s\" [1 1 1]"), {on, towards}});
+  result.push_back({"sky",
+                    sky + kFloor + fog("\"color sigma_s\" [1 1 1]"),
+                    {on, looking, hitting, towards, roulette}});
+  const auto lamp = [](const char* radius, const char* L) {
+    return fmt::format(
+        "AttributeBegin AreaLightSource \"diffuse\" \"color L\" [{1} {1} {1}] Translate 0 2.2 0 "
+        "Rotate 90 1 0 0 Shape \"disk\" \"float radius\" {0} AttributeEnd\n",
+        radius, L);
+  };
+  const std::string shiny =
+      "AttributeBegin Material \"metal\" \"float roughness\" .01 Translate 0 .3 0 Shape \"sphere\" "
+      "AttributeEnd\n";
+  for (const auto& [name, radius, L] :
+       {std::tuple{"lamp", ".2", "100"}, std::tuple{"ceiling", "2.5", "1"}})
+    result.push_back({fmt::format("{}-in-fog", name),
+                      lamp(radius, L) + kFloor + fog("\"color sigma_s\" [.5 .5 .5]"),
+                      {on, looking, hitting, roulette}});
+  result.push_back(
+      {"ceiling-over-metal", lamp("2.5", "1") + shiny + kFloor, {on, looking, hitting}});
+  result.push_back({"lamp-in-forward-fog",
+                    lamp(".5", "16") + kFloor + fog("\"color sigma_s\" [2 2 2] \"float g\" .95"),
+                    {on, looking, hitting}});
+  result.push_back({"lamp-in-smoke",
+                    lamp(".5", "16") + fog("\"color sigma_s\" [2 2 2] \"color sigma_a\" [2 2 2]"),
+                    {on, roulette}});
+  result.push_back(
+      {"lamp-in-white-fog", lamp(".5", "16") + fog("\"color sigma_s\" [4 4 4]"), {on, roulette}});
+  result.push_back({"light-under-dark-floor",
+                    "Material \"matte\" \"color Kd\" [.1 .1 .1] AttributeBegin " +
+                        kFloor.substr(kFloor.find("Shape")) + "AttributeEnd\n" + lamp(".5", "16"),
+                    {on, roulette}});
   return result;
 }
 

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "core/integrator.h"
+#include "core/io/image.h"
 #include "core/log.h"
 #include "core/parallel.h"
 #include "core/rng.h"
@@ -14,6 +15,7 @@
 #include "support/make_plugin.h"
 #include "support/media_scene.h"
 #include "support/render_text.h"
+#include "support/run_program.h"
 
 namespace brume {
 namespace {
@@ -226,6 +228,68 @@ TEST(VolPath, TechniquesAgreeOnSmallLightsInAMedium) {
           "[-.2 -1 -1] \"point p1\" [1 .6 1]\n" +
           kMatteFloor,
       {"", "\"bool equiangular\" \"false\"", "\"string lights\" \"even\""}, 256);
+}
+
+TEST(VolPath, LightIsTheSameHoweverItIsFound) {
+  // A lamp, a sky that is looked at (bright in a ninth of the directions) and one that is not, a
+  // flame, matte and glass, in fog that scatters forward.
+  const test::TemporaryFolder folder;
+  LayeredImage sun;
+  sun.displaySize = {8, 4};
+  sun.dataWindow = {{0, 0}, sun.displaySize};
+  for (const char* c : {"R", "G", "B"}) {
+    sun.channels[c].assign(32, .1f);
+    sun.channels[c][10] = 20;
+  }
+  const auto map = folder.path() / "sun.exr";
+  writeImage(map, sun, PixelPrecision::Float);
+  const std::string world =
+      "AttributeBegin AreaLightSource \"diffuse\" \"color L\" [9 9 9] Translate .3 1.2 .4\n"
+      "Rotate 80 1 .5 0 Shape \"disk\" \"float radius\" .7 AttributeEnd\n"
+      "Volume \"homogeneous\" \"color sigma_s\" [1 2 3] \"color sigma_a\" [.2 .1 0] \"float g\" "
+      ".6 " +
+      kBox +
+      "\nVolume \"homogeneous\" \"color Le\" [30 20 10] \"color sigma_a\" [1 1 1]\n"
+      "  \"point p0\" [.5 -.6 .5] \"point p1\" [.8 -.2 .8]\n"
+      "AttributeBegin Material \"glass\" Translate 0 -.4 0 Shape \"sphere\" \"float radius\" .4 "
+      "AttributeEnd\n" +
+      kMatteFloor;
+  const std::vector<std::string> switches{
+      "", "\"string lightfoundby\" \"looking\"", "\"string lightfoundby\" \"hitting\"",
+      "\"bool roulette\" \"false\"",
+      "\"string lightfoundby\" \"looking\" \"bool emissionsampling\" \"false\""};
+  const std::string sky = "LightSource \"infinite\" \"color L\" [.5 .5 .5]\n";
+  expectTechniquesAgree(sky + world, switches, 256);
+  expectTechniquesAgree(
+      "LightSource \"infinite\" \"string mapname\" \"" + map.string() + "\"\n" + world, switches,
+      256);
+}
+
+TEST(VolPath, RouletteEndsNoPathThatCarriesMuch) {
+  // Albedo 1/2: from the second scattering on paths carry less than a third.
+  const auto counters = [](const std::string& params) {
+    return renderText(scene(kFromOutside,
+                            "LightSource \"infinite\" Volume \"homogeneous\" \"color sigma_s\" "
+                            "[2 2 2] \"color sigma_a\" [2 2 2] " +
+                                kBox,
+                            4, params))
+        .stats;
+  };
+  EXPECT_GT(counters("")[Stat::RussianRouletteStops], 300u);
+  EXPECT_EQ(counters("\"bool roulette\" \"false\"")[Stat::RussianRouletteStops], 0u);
+  EXPECT_EQ(counters("\"integer maxdepth\" 1")[Stat::RussianRouletteStops], 0u);
+}
+
+TEST(VolPath, DoesNotLookAtAnEvenSky) {
+  const auto shadowRays = [](const std::string& lights) {
+    return renderText(scene(kFromOutside,
+                            lights + "Volume \"homogeneous\" \"color sigma_s\" [2 2 2] " + kBox +
+                                "\n" + kMatteFloor,
+                            4))
+        .stats[Stat::ShadowRays];
+  };
+  EXPECT_EQ(shadowRays("LightSource \"infinite\"\n"), 0u);
+  EXPECT_GT(shadowRays("LightSource \"infinite\" LightSource \"distant\"\n"), 1000u);
 }
 
 TEST(VolPath, TechniquesAgreeOnEmittingMedia) {

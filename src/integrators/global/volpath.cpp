@@ -7,6 +7,7 @@
 #include "core/sampling.h"
 #include "transport/direct_light.h"
 #include "transport/emission_sampling.h"
+#include "transport/even_sky.h"
 #include "transport/light_tree.h"
 #include "transport/segment_lights.h"
 #include "transport/specular.h"
@@ -15,8 +16,8 @@
 namespace brume {
 namespace {
 
-/// Scatterings after which roulette may end a path whose throughput has fallen.
-constexpr int kRouletteStart = 4;
+/// Paths that carry less than this may end by roulette; those that go on carry as much again.
+constexpr float kRouletteBelow = 1 / 3.f;
 /// Scatterings after which every path meets roulette: without absorption, in a closed scene,
 /// nothing else would end it.
 constexpr int kLongPath = 100'000;
@@ -119,27 +120,35 @@ class SurfaceVertex {
 /// around those inside media, so that their surroundings have finite variance. Chromatic media: the
 /// channel that draws the distance is chosen by throughput, and the weight divides by the mean of
 /// the channels' densities, so that it stays bounded. Emitting media are looked at from where they
-/// fill few of the directions, and small lights from segments that flights seldom end on near them:
-/// elsewhere the path finds them by itself. Unbiased. What it cannot find: light of a
-/// point, spot, distant or projection light that arrives through glass or off a mirror. Source:
-/// Novak et al. 2018, Monte Carlo Methods for Volumetric Light Transport Simulation. Test:
-/// volpath_test.
+/// fill few of the directions, small lights from segments that flights seldom end on near them, and
+/// skies unless they are about even: elsewhere the path finds them by itself. Unbiased. What it
+/// cannot find: light of a point, spot, distant or projection light that arrives through glass or
+/// off a mirror. Source: Novak et al. 2018, Monte Carlo Methods for Volumetric Light Transport
+/// Simulation. Test: volpath_test.
 class VolPath final : public RayGlobalIntegrator {
  public:
   enum class LightsBy { Tree, Even };
+  enum class FoundBy { Both, Looking, Hitting };
   struct Params {
     std::optional<int> maxdepth;
     LightsBy lights = LightsBy::Tree;
-    bool equiangular = true, towardslights = true, emissionsampling = true;
+    FoundBy lightfoundby = FoundBy::Both;
+    bool equiangular = true, towardslights = true, emissionsampling = true, roulette = true;
     void visit(ParamVisitor& v) {
       v(maxdepth, "maxdepth", kNonNegativeInt, Unit::None,
         "most scatterings of a path, at surfaces and in media; unlimited when not given");
       v(lights, "lights", {{"tree", LightsBy::Tree}, {"even", LightsBy::Even}},
         "how the light that a vertex looks at is chosen: by what it sends there, or evenly");
+      v(lightfoundby, "lightfoundby",
+        {{"both", FoundBy::Both}, {"looking", FoundBy::Looking}, {"hitting", FoundBy::Hitting}},
+        "how light that scatters is found: by looking at lights and by rays that hit them, "
+        "weighted, "
+        "or by one of them alone");
       v(equiangular, "equiangular",
         "look at small lights from a distance of every segment drawn by angle");
       v(towardslights, "towardslights", "draw some directions around point lights in media");
       v(emissionsampling, "emissionsampling", "look at emitting media as at lights");
+      v(roulette, "roulette", "end paths at random that carry little");
     }
   };
   VolPath(Params params, const FactoryContext& context);
@@ -151,9 +160,8 @@ class VolPath final : public RayGlobalIntegrator {
  private:
   /// How the last vertex chose the direction of the present ray.
   struct Arrival {
-    bool lightIsSampled =
-        false;      ///< the vertex sampled the lights as well (not: camera, specular bounce)
-    float pdf = 0;  ///< of the direction, per solid angle
+    bool mayLook = false;  ///< the vertex can look at lights (not: camera, specular bounce)
+    float pdf = 0;         ///< of the direction, per solid angle
     Vec3 from{0};
     PointReceiver receiver{Vec3(0)};
   };
@@ -179,6 +187,22 @@ class VolPath final : public RayGlobalIntegrator {
                        RenderContext& context) {
     path.L += L;
     if (context.components) context.components->add(component, L);
+  }
+  /// Weights of light that is found by looking at it and by a ray that hits it, from the densities
+  /// of both per solid angle.
+  float lookingWeight(float looking, float hitting) const {
+    return params_.lightfoundby == FoundBy::Both ? powerHeuristic(looking, hitting) : 1.f;
+  }
+  float hittingWeight(float hitting, float looking) const {
+    switch (params_.lightfoundby) {
+      case FoundBy::Both:
+        return powerHeuristic(hitting, looking);
+      case FoundBy::Looking:
+        return looking > 0 ? 0.f : 1.f;
+      case FoundBy::Hitting:
+        break;
+    }
+    return 1;
   }
   bool mayScatter(const PathState& path) const {
     return !params_.maxdepth || path.scatterings < *params_.maxdepth;
@@ -215,7 +239,7 @@ class VolPath final : public RayGlobalIntegrator {
   const Scene& scene_;
   EmissionSampler emission_;
   TowardsLights towards_;
-  LightTree lights_;  // for vertices
+  LightTree lights_;  // that vertices look at
   std::optional<LightTree> lightsAndMedia_;
   SegmentLights segmentLights_;
 };
@@ -225,10 +249,10 @@ VolPath::VolPath(Params params, const FactoryContext& context)
       scene_(*context.scene),
       emission_(scene_),
       towards_(scene_),
-      lights_(emittingLights(scene_), {{}, evenShare(params)}),
+      lights_(lightsToLookAt(scene_), {{}, evenShare(params)}),
       segmentLights_(scene_, evenShare(params)) {
   if (params.emissionsampling && !emission_.isEmpty())
-    lightsAndMedia_.emplace(emittingLights(scene_),
+    lightsAndMedia_.emplace(lights_.lights(),
                             LightTree::Options{emission_.bounds(), evenShare(params)});
 }
 
@@ -240,28 +264,28 @@ Rgb VolPath::lightBehind(const PathState& path,
   const LightTree& lights = lightsFor(from.from);
   if (hit) {
     const Rgb Le = emittedRadiance(*hit);
-    if (Le.isBlack() || !from.lightIsSampled) return Le;
+    if (Le.isBlack() || !from.mayLook) return Le;
     const float choice = lights.probability(from.receiver, hit->areaLight);
     // A light that is never sampled (inside an object instance) shows itself, but lights nothing.
     if (!(choice > 0)) return {};
-    return Le * powerHeuristic(from.pdf, choice * hit->areaLight->pdfLiAt(from.from, path.ray.d,
-                                                                          hit->p, hit->n));
+    return Le * hittingWeight(from.pdf, choice * hit->areaLight->pdfLiAt(from.from, path.ray.d,
+                                                                         hit->p, hit->n));
   }
   Rgb L;
   for (const Light* light : scene_.infiniteLights()) {
-    const float lightPdf = from.lightIsSampled ? lights.probability(from.receiver, light) *
-                                                     light->pdfLi(from.from, path.ray.d)
-                                               : 0.f;
-    L += light->Le(path.ray) * (lightPdf > 0 ? powerHeuristic(from.pdf, lightPdf) : 1.f);
+    const float lightPdf = from.mayLook ? lights.probability(from.receiver, light) *
+                                              light->pdfLi(from.from, path.ray.d)
+                                        : 0.f;
+    L += light->Le(path.ray) * (lightPdf > 0 ? hittingWeight(from.pdf, lightPdf) : 1.f);
   }
   return L;
 }
 
 /// Of the media's emission along the present ray, against looking at it from the last vertex.
 float VolPath::emissionWeight(const PathState& path, const MediumAlongRay& medium) const {
-  if (!path.arrival.lightIsSampled || !looksAtMedia(path.arrival.from)) return 1;
+  if (!path.arrival.mayLook || !looksAtMedia(path.arrival.from)) return 1;
   const float choice = lightsAndMedia_->probability(path.arrival.receiver, nullptr);
-  return powerHeuristic(path.arrival.pdf, choice * emission_.pdf(path.ray, medium));
+  return hittingWeight(path.arrival.pdf, choice * emission_.pdf(path.ray, medium));
 }
 
 /// Light of a small source, scattered at a distance that is drawn evenly in the angle under which
@@ -271,8 +295,8 @@ float VolPath::emissionWeight(const PathState& path, const MediumAlongRay& mediu
 /// depends on the vertex and the direction alone, against directions that hit the source.
 Rgb VolPath::equiangularLight(const PathState& path, Segment& segment,
                               RenderContext& context) const {
-  segment.looksAtLights =
-      params_.equiangular && segmentLights_.mayHelp(segment.medium, segment.channels);
+  segment.looksAtLights = params_.equiangular && params_.lightfoundby != FoundBy::Hitting &&
+                          segmentLights_.mayHelp(segment.medium, segment.channels);
   if (!segment.looksAtLights) return {};
   const float uChoice = context.samples.get1D(), uDistance = context.samples.get1D();
   const auto at =
@@ -295,7 +319,7 @@ Rgb VolPath::equiangularLight(const PathState& path, Segment& segment,
   float share = 1;
   if (!isPoint) {
     const Towards towards = towardsFrom(vertex.p(), context);
-    share = powerHeuristic(choice * light->pdf, towards.mixed(light->wi, value.pdf));
+    share = lookingWeight(choice * light->pdf, towards.mixed(light->wi, value.pdf));
   }
   const float pdf = (at->pdf + choice * segment.flightPdf(at->t)) * light->pdf;
   return carried * light->L * transmittance(shadow) * value.f * (share / pdf);
@@ -352,7 +376,7 @@ Rgb VolPath::sampleLight(const Vertex& vertex, const Towards& towards,
   if (scene_.isOccluded(shadow, context.stats)) return {};
   const float pdf = choice->probability * light->pdf;
   const float share =
-      choice->light->isDelta() ? 1.f : powerHeuristic(pdf, towards.mixed(light->wi, value.pdf));
+      choice->light->isDelta() ? 1.f : lookingWeight(pdf, towards.mixed(light->wi, value.pdf));
   return transmittance(shadow) * light->L * value.f * (distanceWeight(*choice) * share / pdf);
 }
 
@@ -376,7 +400,7 @@ Rgb VolPath::sampleEmission(const Vertex& vertex, const Towards& towards, float 
   medium.assign(*scene_.volume(), ray, *range);
   const float pdf = choice * emission_.pdf(ray, medium);
   if (!(pdf > 0)) return {};
-  const float weight = powerHeuristic(pdf, towards.mixed(*wi, value.pdf));
+  const float weight = lookingWeight(pdf, towards.mixed(*wi, value.pdf));
   return medium.emission() * value.f * (weight / pdf);
 }
 
@@ -410,17 +434,19 @@ bool VolPath::scatter(PathState& path, const Vertex& vertex, DistanceWeight&& di
                       RenderContext& context) const {
   Towards towards;
   const PathComponent component = after(path.component, Vertex::kScattering);
-  if (vertex.seesLights()) {
-    towards = towardsFrom(vertex.p(), context);
+  const bool looks = vertex.seesLights() && params_.lightfoundby != FoundBy::Hitting &&
+                     !lightsFor(vertex.p()).isEmpty();
+  if (vertex.seesLights()) towards = towardsFrom(vertex.p(), context);
+  if (looks)
     addLight(path, component,
              path.throughput * sampleLight(vertex, towards, distanceWeight, context), context);
-  }
   const auto outgoing = sampleDirection(vertex, towards, path.ray, context);
   if (!outgoing) return false;
   path.throughput *= outgoing->weight / outgoing->pdf;
   path.ray = outgoing->ray;
   path.aimed = outgoing->aimed;
-  path.arrival = {!outgoing->isSpecular, outgoing->pdf, vertex.p(), vertex.receiver()};
+  path.arrival = {vertex.seesLights() && !outgoing->isSpecular, outgoing->pdf, vertex.p(),
+                  vertex.receiver()};
   path.component = outgoing->isSpecular ? after(path.component, Scattering::Specular) : component;
   return true;
 }
@@ -433,8 +459,8 @@ bool VolPath::scatter(PathState& path, const Vertex& vertex, DistanceWeight&& di
 bool VolPath::survives(PathState& path, RenderContext& context) const {
   const float carried = path.throughput.maxChannel() * path.aimed;
   if (!(carried > 0)) return false;
-  if (path.scatterings < kRouletteStart) return true;
-  const float survival = std::min(carried, path.scatterings < kLongPath ? 1.f : kLongPathSurvival);
+  const float survival = std::min(params_.roulette ? carried / kRouletteBelow : 1.f,
+                                  path.scatterings < kLongPath ? 1.f : kLongPathSurvival);
   if (survival >= 1.f) return true;
   if (context.samples.get1D() >= survival) {
     context.stats.add(Stat::RussianRouletteStops);
@@ -506,6 +532,10 @@ void VolPath::describe(Plan& plan) const {
   if (found.deltaLights > 0 && found.specularMaterials > 0)
     plan.skip("light without extent through glass or off mirrors",
               "volpath hits lights or looks at them along a straight line");
+  if (emittingLights(scene_).size() > lights_.lights().size())
+    plan.skip("looking at the sky", "it is about even: the rays that go on find it as well");
+  if (found.deltaLights > 0 && params_.lightfoundby == FoundBy::Hitting)
+    plan.skip("lights without extent", "no ray hits them (lightfoundby \"hitting\")");
 }
 
 const RegisterPlugin<GlobalIntegrator, VolPath> kRegistration{
