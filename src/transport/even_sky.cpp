@@ -32,4 +32,8 @@ std::vector<const Light*> lightsToLookAt(const Scene& scene) {
   return lights;
 }
 
+void planEvenSky(Plan& plan) {
+  plan.skip("looking at the sky", "it is about even: the rays that go on find it as well");
+}
+
 }  // namespace brume

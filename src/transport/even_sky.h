@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "core/plan.h"
 #include "core/scene.h"
 
 namespace brume {
@@ -19,5 +20,7 @@ double unevenness(const Light& sky);
 /// the light, and the path has that one in any case (measured: docs/benchmarks.md). Test:
 /// even_sky_test.
 std::vector<const Light*> lightsToLookAt(const Scene& scene);
+/// What the plan says where a sky is left out.
+void planEvenSky(Plan& plan);
 
 }  // namespace brume

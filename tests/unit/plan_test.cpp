@@ -19,6 +19,7 @@ namespace {
 
 using ::testing::Contains;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 const std::string kOptions = R"(
 Film "image" "integer xresolution" 16 "integer yresolution" 16
@@ -147,6 +148,26 @@ TEST(Plan, BlackLightsAreNotSampled) {
   EXPECT_THAT(r.plan, Contains("skip  1 light: emitting nothing"));
   EXPECT_THAT(r.plan, Contains("skip  lights: the scene has none that lights it"));
   EXPECT_EQ(r[Stat::ShadowRays], 0u);
+}
+
+TEST(Plan, EvenSkiesAreNotLookedAt) {
+  const std::string sky = "LightSource \"infinite\"\n",
+                    fog = "Volume \"homogeneous\" \"color sigma_s\" [2 2 2]\n";
+  const auto found =
+      Contains("skip  looking at the sky: it is about even: the rays that go on find it as well");
+  for (const std::string integrator :
+       {"SurfaceIntegrator \"path\"\nVolumeIntegrator \"emission\"\n",
+        "GlobalIntegrator \"volpath\"\n"}) {
+    const std::string options = integrator + kOptions.substr(0, kOptions.find("VolumeIntegrator")) +
+                                kOptions.substr(kOptions.find("LookAt"));
+    const Rendered even = render(options, sky + fog + kBall),
+                   with = render(options, sky + kLamp + fog + kBall);
+    EXPECT_THAT(even.plan, found) << integrator;
+    EXPECT_THAT(with.plan, found) << integrator;
+    EXPECT_EQ(even[Stat::ShadowRays], 0u) << integrator;
+    EXPECT_GT(with[Stat::ShadowRays], 100u) << integrator;
+    EXPECT_THAT(render(options, kLamp + fog + kBall).plan, Not(found)) << integrator;
+  }
 }
 
 TEST(Plan, LightsThatCannotReachTheSceneAreNotSampled) {

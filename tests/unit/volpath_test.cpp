@@ -280,18 +280,6 @@ TEST(VolPath, RouletteEndsNoPathThatCarriesMuch) {
   EXPECT_EQ(counters("\"integer maxdepth\" 1")[Stat::RussianRouletteStops], 0u);
 }
 
-TEST(VolPath, DoesNotLookAtAnEvenSky) {
-  const auto shadowRays = [](const std::string& lights) {
-    return renderText(scene(kFromOutside,
-                            lights + "Volume \"homogeneous\" \"color sigma_s\" [2 2 2] " + kBox +
-                                "\n" + kMatteFloor,
-                            4))
-        .stats[Stat::ShadowRays];
-  };
-  EXPECT_EQ(shadowRays("LightSource \"infinite\"\n"), 0u);
-  EXPECT_GT(shadowRays("LightSource \"infinite\" LightSource \"distant\"\n"), 1000u);
-}
-
 TEST(VolPath, TechniquesAgreeOnEmittingMedia) {
   // A small flame beside a smoke that glows a little, over a floor; the flame is partly hidden by a
   // wall and overlaps the smoke.

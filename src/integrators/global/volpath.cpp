@@ -533,7 +533,7 @@ void VolPath::describe(Plan& plan) const {
     plan.skip("light without extent through glass or off mirrors",
               "volpath hits lights or looks at them along a straight line");
   if (emittingLights(scene_).size() > lights_.lights().size())
-    plan.skip("looking at the sky", "it is about even: the rays that go on find it as well");
+    planEvenSky(plan);
   if (found.deltaLights > 0 && params_.lightfoundby == FoundBy::Hitting)
     plan.skip("lights without extent", "no ray hits them (lightfoundby \"hitting\")");
 }

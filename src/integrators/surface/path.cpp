@@ -4,6 +4,7 @@
 #include "core/registry.h"
 #include "core/sampling.h"
 #include "transport/direct_light.h"
+#include "transport/even_sky.h"
 #include "transport/light_tree.h"
 #include "transport/specular.h"
 
@@ -18,7 +19,7 @@ constexpr float kMinSurvival = 0.05f;
 /// Path tracing: all light that reaches the camera over up to maxdepth + 1 surfaces.
 ///   L = Le + Int f(wo, wi) Li(wi) |cos| dwi, recursively                  [W m^-2 sr^-1]
 /// At every vertex one light, chosen by importance, is sampled; the ray that goes on finds light
-/// as well, and both are weighted by the power heuristic. Volumes attenuate every segment (they
+/// as well, and both are weighted by the power heuristic. An even sky is left to the rays alone. Volumes attenuate every segment (they
 /// scatter only into camera rays: see the volume integrator). Emission counts at the camera's
 /// vertex, after specular bounces, and as direct light. Unbiased up to maxdepth.
 /// Source: Kajiya 1986; Veach 1997. Test: surface_integrators_test.
@@ -32,8 +33,12 @@ class Path final : public SurfaceIntegrator {
     }
   };
   Path(Params params, const FactoryContext& context)
-      : params_(params), scene_(*context.scene), lights_(scene_) {}
+      : params_(params),
+        scene_(*context.scene),
+        lights_(lightsToLookAt(scene_), {}),
+        leavesEvenSky_(emittingLights(scene_).size() > lights_.lights().size()) {}
 
+  void describe(Plan& plan) const override;
   Rgb Li(const SurfaceQuery& query, RenderContext& context) const override;
 
  private:
@@ -51,7 +56,12 @@ class Path final : public SurfaceIntegrator {
   Params params_;
   const Scene& scene_;
   LightTree lights_;
+  bool leavesEvenSky_ = false;  ///< to the rays that go on
 };
+
+void Path::describe(Plan& plan) const {
+  if (leavesEvenSky_) planEvenSky(plan);
+}
 
 Rgb Path::emission(const SurfaceInteraction& at, const Arrival& arrival) const {
   if (!at.areaLight) return {};
@@ -109,7 +119,7 @@ Rgb Path::Li(const SurfaceQuery& query, RenderContext& context) const {
     const float uLobe = context.samples.get1D();
     const Vec2 uDirection = context.samples.get2D();
     const bool isLast = bounce == params_.maxdepth;
-    if (isLast && !lights_.hasHittableLights()) break;
+    if (isLast && !lights_.hasHittableLights() && !leavesEvenSky_) break;
     const auto sample = bsdf.sample(at.wo, uLobe, uDirection);
     if (!sample || !(sample->pdf > 0) || sample->f.isBlack()) break;
     if (isLast && sample->isSpecular()) break;
