@@ -532,8 +532,7 @@ void VolPath::describe(Plan& plan) const {
   if (found.deltaLights > 0 && found.specularMaterials > 0)
     plan.skip("light without extent through glass or off mirrors",
               "volpath hits lights or looks at them along a straight line");
-  if (emittingLights(scene_).size() > lights_.lights().size())
-    planEvenSky(plan);
+  if (emittingLights(scene_).size() > lights_.lights().size()) planEvenSky(plan);
   if (found.deltaLights > 0 && params_.lightfoundby == FoundBy::Hitting)
     plan.skip("lights without extent", "no ray hits them (lightfoundby \"hitting\")");
 }

@@ -19,10 +19,10 @@ constexpr float kMinSurvival = 0.05f;
 /// Path tracing: all light that reaches the camera over up to maxdepth + 1 surfaces.
 ///   L = Le + Int f(wo, wi) Li(wi) |cos| dwi, recursively                  [W m^-2 sr^-1]
 /// At every vertex one light, chosen by importance, is sampled; the ray that goes on finds light
-/// as well, and both are weighted by the power heuristic. An even sky is left to the rays alone. Volumes attenuate every segment (they
-/// scatter only into camera rays: see the volume integrator). Emission counts at the camera's
-/// vertex, after specular bounces, and as direct light. Unbiased up to maxdepth.
-/// Source: Kajiya 1986; Veach 1997. Test: surface_integrators_test.
+/// as well, and both are weighted by the power heuristic. An even sky is left to the rays alone.
+/// Volumes attenuate every segment (they scatter only into camera rays: see the volume integrator).
+/// Emission counts at the camera's vertex, after specular bounces, and as direct light. Unbiased up
+/// to maxdepth. Source: Kajiya 1986; Veach 1997. Test: surface_integrators_test.
 class Path final : public SurfaceIntegrator {
  public:
   struct Params {
