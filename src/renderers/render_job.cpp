@@ -27,6 +27,7 @@ struct RenderJob::Parts {
   void makeIntegrators(RenderOptions& options, PluginFactory& factory);
   void checkLayers() const;
   RenderLimits limits() const;
+  void prepareIntegrator(PrepareContext& context) const;
   std::unique_ptr<ImageRenderer> makeRenderer() const;
   RenderResult resultAt(const RenderOutcome& outcome, const Stats& stats) const;
   std::vector<std::string> planLines() const;
@@ -46,6 +47,7 @@ struct RenderJob::Parts {
   std::unique_ptr<SurfaceIntegrator> surface;
   std::unique_ptr<VolumeIntegrator> media;
   std::unique_ptr<GlobalIntegrator> global;
+  SourceLocation integratorAt;  // the directive of the one or the other
   std::unique_ptr<CameraRadiance> joined;
   // How the image is made: per ray (joined, or the global integrator), or per pass.
   const RayRadiance* radiance = nullptr;
@@ -169,6 +171,8 @@ void RenderJob::Parts::makeIntegrators(RenderOptions& options, PluginFactory& fa
   context.scene = scene.get();
   context.sampler = sampler.get();
   context.quick = settings.quick;
+  integratorAt = options.globalIntegrator ? options.globalIntegrator->params.where()
+                                          : options.surfaceIntegrator.params.where();
 
   if (options.globalIntegrator) {
     global = factory.make<GlobalIntegrator>(*options.globalIntegrator, context);
@@ -283,6 +287,17 @@ std::vector<std::string> RenderJob::Parts::planLines() const {
   return all.lines();
 }
 
+/// Errors that know no place, of photon files say, are given that of the integrator.
+void RenderJob::Parts::prepareIntegrator(PrepareContext& context) const {
+  try {
+    if (global) global->prepare(context);
+    if (surface) surface->prepare(context);
+  } catch (const SceneError& error) {
+    if (error.where().isKnown()) throw;
+    throw SceneError(integratorAt, error.what());
+  }
+}
+
 std::unique_ptr<ImageRenderer> RenderJob::Parts::makeRenderer() const {
   const Scene::Contents& contents = scene->contents();
   const bool footprints = !contents.floatTextures.empty() || !contents.rgbTextures.empty();
@@ -309,8 +324,7 @@ RenderResult RenderJob::run(const std::atomic<bool>& stop,
   if (limits.maxSeconds) prepare.secondsForPhotons = kPhotonShare * *limits.maxSeconds;
   PrepareProgress prepareProgress(progress);
   prepare.onShare = [&](std::string_view what, double share) { prepareProgress.show(what, share); };
-  if (p.global) p.global->prepare(prepare);
-  if (p.surface) p.surface->prepare(prepare);
+  p.prepareIntegrator(prepare);
   limits.secondsSpent = secondsSince(start);
 
   RenderWatch watch{progress, {}, {}};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `brume photons`: summary and point cloud.
+// `brume photons`: summary and point cloud; photon files that a render cannot use.
 #include <gmock/gmock.h>
 
 #include <cstring>
@@ -91,6 +91,21 @@ TEST_F(Photons, ErrorsExitWith1) {
   EXPECT_EQ(unwritable.exitCode, 1);
   EXPECT_THAT(unwritable.err, HasSubstr("cannot write 'none/cloud.ply'"));
   EXPECT_EQ(run({"map", "--spp", "4"}).exitCode, 1);
+}
+
+TEST_F(Photons, ErrorsOfMapsNameTheIntegratorsPlace) {
+  folder_.write("scene.pbrt",
+                "Film \"image\" \"integer xresolution\" 8 \"integer yresolution\" 8\n"
+                "GlobalIntegrator \"bre\" \"string loadphotons\" \"none\"\nWorldBegin\n"
+                "LightSource \"point\" Volume \"homogeneous\" \"color sigma_s\" [1 1 1]\n"
+                "WorldEnd\n");
+  const ProgramResult result = runBrume({{"scene.pbrt"}, folder_.path()});
+  EXPECT_EQ(result.exitCode, 1);
+  EXPECT_THAT(result.err, HasSubstr("scene.pbrt:2:18: error: cannot read 'none': No such file"));
+  const ProgramResult given =
+      runBrume({{"scene.pbrt", "--integrator", "vpm:loadphotons=text"}, folder_.path()});
+  EXPECT_EQ(given.exitCode, 1);
+  EXPECT_THAT(given.err, HasSubstr("brume: error: cannot read 'text'"));
 }
 
 }  // namespace
