@@ -53,18 +53,26 @@ def reach(curve, target):
     return None
 
 
-def targets_of(curves, baseline, most):
-    """Errors 1, 0.3, 0.1, ... that a curve passes after its first point; those of the baseline and below."""
+def floor_of(scene):
+    """Below a tenth of the reference's own relMSE, which is subtracted, what is left says little."""
+    return 0.1 * scene["reference noise"] if scene["reference noise is known"] else 0
+
+
+def targets_of(curves, baseline, most, floor):
+    """Errors 1, 0.3, 0.1, ... down to the floor that a curve passes after its first point: the last ones, from two
+    of the baseline's and two that it shares with another method on."""
     def passed(curve):
         first = curve[0][1]
-        least = min((error for _, error in curve if error > 0), default=first)  # below: the reference's noise
+        least = max(floor, min((error for _, error in curve if error > 0), default=first))
         ladder = [digit * 10.0 ** e for e in range(3, -13, -1) for digit in (3, 1)]
         return [t for t in ladder if least <= t < first]
     everyone = sorted({t for curve in curves.values() for t in passed(curve)}, reverse=True)
     own = passed(curves[baseline]) if baseline in curves else []
+    others = {t for name, curve in curves.items() if name != baseline for t in passed(curve)}
     start = max(0, len(everyone) - most)
-    if own and everyone.index(own[-1]) < start + 1:  # at least two that the baseline reaches
-        start = max(0, everyone.index(own[-1]) - 1)
+    for wanted in (own, [t for t in own if t in others]):
+        if wanted:
+            start = min(start, max(0, everyone.index(wanted[-1]) - 1))
     return everyone[start:]
 
 
@@ -143,13 +151,14 @@ def progress_table(scenes):
     rows = []
     for scene in scenes:
         for curve in scene["curves"]:
-            told = [(p["estimated error"], p["relative error"]) for p in curve["points"]
+            points = [p for p in curve["points"] if p["relmse"] > floor_of(scene)]
+            told = [(p["estimated error"], p["relative error"]) for p in points
                     if p.get("estimated error") and p.get("relative error")]
             passes = [p["samples"] for p in curve["points"] if p.get("samples")]
             if not told or not passes or passes[-1] < 100:
                 continue
             ratios = [a / b for a, b in told]
-            decades = [slope(curve["points"], passes[-1] / 10 ** (d + 1), passes[-1] / 10 ** d)
+            decades = [slope(points, passes[-1] / 10 ** (d + 1), passes[-1] / 10 ** d)
                        for d in (2, 1, 0)]
             rows.append(f"| {scene['name']} | {curve['method']} | {passes[-1]:.0f} | "
                         + " | ".join("" if d is None else f"{d:.2f}" for d in decades)
@@ -173,8 +182,9 @@ def markdown(results, time, error, most):
         if not curves:
             details += ["", f"**{scene['name']}**: nothing was measured."]
             continue
-        targets = targets_of(curves, baseline, most)
-        scenes.append((scene["name"], curves, targets_of(curves, baseline, 99)))
+        floor = floor_of(scene) if error == "relmse" else 0
+        targets = targets_of(curves, baseline, most, floor)
+        scenes.append((scene["name"], curves, targets_of(curves, baseline, 99, floor)))
         width, height = scene["resolution"]
         noise = (f"the reference's own relMSE of {short(scene['reference noise'])} is subtracted"
                  if scene["reference noise is known"] else "the reference's noise is not known")
