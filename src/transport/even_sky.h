@@ -17,7 +17,7 @@ double unevenness(const Light& sky);
 
 /// The lights of emittingLights that a path must look at: all but skies of V up to 2, half of the
 /// sphere bright. There a direction drawn by a phase function or BSDF is as good as one drawn by
-/// the light, and the path has that one in any case (measured: docs/benchmarks.md). Test:
+/// the light, and the path has that one in any case (measured: docs/theory.md). Test:
 /// even_sky_test.
 std::vector<const Light*> lightsToLookAt(const Scene& scene);
 /// What the plan says where a sky is left out.

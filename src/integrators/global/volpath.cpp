@@ -16,7 +16,7 @@
 namespace brume {
 namespace {
 
-/// Paths that carry less than this may end by roulette; those that go on carry as much again.
+/// Paths that carry less than this may end by roulette; those that go on carry this much then.
 constexpr float kRouletteBelow = 1 / 3.f;
 /// Scatterings after which every path meets roulette: without absorption, in a closed scene,
 /// nothing else would end it.
@@ -141,9 +141,8 @@ class VolPath final : public RayGlobalIntegrator {
         "how the light that a vertex looks at is chosen: by what it sends there, or evenly");
       v(lightfoundby, "lightfoundby",
         {{"both", FoundBy::Both}, {"looking", FoundBy::Looking}, {"hitting", FoundBy::Hitting}},
-        "how light that scatters is found: by looking at lights and by rays that hit them, "
-        "weighted, "
-        "or by one of them alone");
+        "how light that scatters is found: by looking at lights and by rays that hit them, both "
+        "weighted, or by one of them alone");
       v(equiangular, "equiangular",
         "look at small lights from a distance of every segment drawn by angle");
       v(towardslights, "towardslights", "draw some directions around point lights in media");
