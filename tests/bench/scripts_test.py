@@ -104,6 +104,15 @@ class ErrorTable(WithFolder):
         done = call("error_table.py", self.file("results.json", results)).stdout
         self.assertIn("| ball | passes | 4096 | -0.67 | -0.67 | -0.67 | 0.90 ... 1.10 |", done)
 
+    def test_nothing_is_read_off_far_below_the_reference_noise(self):
+        results = copy.deepcopy(RESULTS)
+        results["scenes"][0]["curves"] = [curve("base", 1, BASE + [(512, 2e-5)])]
+        targets = [float(t) for t in self.table(results)["processor seconds to relMSE"]]
+        self.assertEqual(min(targets), 1e-4)  # a tenth of the noise
+        results["scenes"][0]["reference noise"] = 0
+        targets = [float(t) for t in self.table(results)["processor seconds to relMSE"]]
+        self.assertEqual(min(targets), 3e-5)
+
     def test_errors_below_the_reference_noise_are_not_drawn(self):
         results = copy.deepcopy(RESULTS)
         results["scenes"][0]["curves"] = [curve("base", 1, BASE + [(64, -1e-3)])]

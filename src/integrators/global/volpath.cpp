@@ -362,9 +362,11 @@ VolPath::Flight VolPath::sampleFlight(PathState& path, const Segment& segment,
 template <class Vertex, class DistanceWeight>
 Rgb VolPath::sampleLight(const Vertex& vertex, const Towards& towards,
                          DistanceWeight&& distanceWeight, RenderContext& context) const {
+  const LightTree& lights = lightsFor(vertex.p());
+  if (lights.isEmpty() || params_.lightfoundby == FoundBy::Hitting) return {};
   const float uChoice = context.samples.get1D();
   const Vec2 u = context.samples.get2D();
-  const auto choice = lightsFor(vertex.p()).choose(vertex.receiver(), uChoice);
+  const auto choice = lights.choose(vertex.receiver(), uChoice);
   if (!choice) return {};
   if (!choice->light) return sampleEmission(vertex, towards, choice->probability, u, context);
   const auto light = choice->light->sampleLi(vertex.p(), u);
@@ -433,12 +435,11 @@ bool VolPath::scatter(PathState& path, const Vertex& vertex, DistanceWeight&& di
                       RenderContext& context) const {
   Towards towards;
   const PathComponent component = after(path.component, Vertex::kScattering);
-  const bool looks = vertex.seesLights() && params_.lightfoundby != FoundBy::Hitting &&
-                     !lightsFor(vertex.p()).isEmpty();
-  if (vertex.seesLights()) towards = towardsFrom(vertex.p(), context);
-  if (looks)
+  if (vertex.seesLights()) {
+    towards = towardsFrom(vertex.p(), context);
     addLight(path, component,
              path.throughput * sampleLight(vertex, towards, distanceWeight, context), context);
+  }
   const auto outgoing = sampleDirection(vertex, towards, path.ray, context);
   if (!outgoing) return false;
   path.throughput *= outgoing->weight / outgoing->pdf;
