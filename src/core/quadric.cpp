@@ -59,19 +59,26 @@ void Quadric::setExtent(const Extent& extent, const SourceLocation& where) {
   }
 
   objectArea_ = extent.area;
+  if (extent.normal) onlyNormal_ = Vec3(normalToShape(*extent.normal));
+  if (extent.normal || isSimilarity())
+    onlyPdfArea_ =
+        static_cast<float>(1 / (objectArea_ * areaRatio(extent.normal.value_or(Vec3d(0, 0, 1)))));
 }
 
-float Quadric::area() const {
-  // Mean of the area ratio over the object-space area by the midpoint rule (smooth, and periodic in
-  // phi); one cell where the ratio is constant, under a similarity.
+bool Quadric::isSimilarity() const {
   const Mat4d& m = objectToShape_.matrix();
   const glm::dmat3 gram = glm::transpose(glm::dmat3(m)) * glm::dmat3(m);
   const glm::dmat3 difference = gram - glm::dmat3(gram[0][0]);
   double largest = 0;
   for (int c = 0; c < 3; ++c)
     for (int r = 0; r < 3; ++r) largest = std::max(largest, std::abs(difference[c][r]));
-  const int cells = largest <= 1e-12 * gram[0][0] ? 1 : 64;
+  return largest <= 1e-12 * gram[0][0];
+}
 
+float Quadric::area() const {
+  // Mean of the area ratio over the object-space area by the midpoint rule (smooth, and periodic in
+  // phi); one cell where the ratio is constant.
+  const int cells = onlyPdfArea_ ? 1 : 64;
   const float cell = 1.f / static_cast<float>(cells);
   double sum = 0;
   for (int i = 0; i < cells; ++i)
@@ -143,7 +150,7 @@ SurfaceInteraction Quadric::interaction(const Ray& ray, const ShapeHit& hit) con
 ShapeSample Quadric::sampleAt(const Vec3d& object, const Vec3d& n) const {
   ShapeSample sample;
   sample.p = toShape(object, &sample.pError);
-  sample.n = Vec3(normalToShape(n));
+  sample.n = onlyNormal_ ? *onlyNormal_ : Vec3(normalToShape(n));
   return sample;
 }
 
@@ -155,6 +162,7 @@ ShapeSample Quadric::sampleArea(Vec2 u) const {
 }
 
 float Quadric::pdfArea(const Vec3&, const Vec3& n) const {
+  if (onlyPdfArea_) return *onlyPdfArea_;
   // The area ratio, from the normal in shape space.
   const Vec3d objectNormal = glm::transpose(glm::dmat3(objectToShape_.matrix())) * Vec3d(n);
   const double ratio = volumeRatio_ / length(objectNormal);

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 
 #include "core/shape.h"
 
@@ -30,10 +31,11 @@ class Quadric : public Shape {
     double at(double z) const { return q0 + z * (q1 + z * q2); }
     double slope(double z) const { return q1 + 2 * q2 * z; }
   };
-  /// Object-space box and area of the part that exists.
+  /// Object-space box and area of the part that exists, and its normal if all points share it.
   struct Extent {
     Vec3d lo{0}, hi{0};
     double area = 0;
+    std::optional<Vec3d> normal{};
   };
   /// Parameters and their derivatives at a point of the surface, in object space. n is unit, along
   /// dpdu x dpdv also where that vanishes (poles, apex).
@@ -84,6 +86,7 @@ class Quadric : public Shape {
   Vec3d vectorToShape(const Vec3d& v) const;
   /// Unit, on the side that the hit shows: the object's own side unless orientation is reversed.
   Vec3d normalToShape(const Vec3d& n) const;
+  bool isSimilarity() const;
   /// Area in shape space of a unit area in object space around normal n (unit, object space).
   double areaRatio(const Vec3d& n) const;
 
@@ -94,6 +97,8 @@ class Quadric : public Shape {
   double phiMax_ = kTwoPi;
   double objectArea_ = 0;
   Bounds3 bounds_;
+  std::optional<Vec3> onlyNormal_;    // in shape space
+  std::optional<float> onlyPdfArea_;  // where the area ratio is the same everywhere
 };
 
 }  // namespace brume

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/quadric.h"
 #include "core/registry.h"
+#include "core/sampling.h"
 
 namespace brume {
 
@@ -31,7 +32,8 @@ class Disk final : public Quadric {
       throw SceneError(context.where, "disk: innerradius must be smaller than radius");
     setExtent({{-radius_, -radius_, height_},
                {radius_, radius_, height_},
-               0.5 * phiMax() * (radius_ * radius_ - innerRadius_ * innerRadius_)},
+               0.5 * phiMax() * (radius_ * radius_ - innerRadius_ * innerRadius_),
+               normal({})},
               context.where);
   }
 
@@ -60,8 +62,9 @@ class Disk final : public Quadric {
   Vec3d normal(const Vec3d&) const override { return {0, 0, 1}; }
   Vec3d sampleObject(Vec2 u) const override {
     const double inner2 = innerRadius_ * innerRadius_;
-    const double r = std::sqrt(inner2 + (radius_ * radius_ - inner2) * u.x), phi = phiMax() * u.y;
-    return {r * std::cos(phi), r * std::sin(phi), height_};
+    const double r = std::sqrt(inner2 + (radius_ * radius_ - inner2) * u.x);
+    const Vec2 around = cosSinOfTurns(static_cast<float>(phiMax() / kTwoPi) * u.y);
+    return {r * around.x, r * around.y, height_};
   }
 
   double height_, radius_, innerRadius_;

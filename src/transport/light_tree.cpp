@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "transport/light_tree.h"
 
+#include <bit>
+
 #include "core/error.h"
 #include "core/lanes_math.h"
 
@@ -247,7 +249,6 @@ LightTree::LightTree(std::span<const Light* const> lights, const Options& option
   std::vector<Builder::Item> items;
   for (std::uint32_t i = 0; i < lights_.size(); ++i) {
     const Light* light = lights_[i];
-    sorted_.emplace_back(light, i);
     hasHittable_ = hasHittable_ || !light || !light->isDelta();
     if (const auto bounds = light ? light->bounds() : options.media) {
       if (bounds->intensity > 0) items.push_back({*bounds, i});
@@ -257,14 +258,26 @@ LightTree::LightTree(std::span<const Light* const> lights, const Options& option
     irradiance_[i] = std::min(double{light->importance(Bounds3{Vec3(0), Vec3(0)})}, 1e60);
     unboundedIrradiance_ += irradiance_[i];
   }
-  std::sort(sorted_.begin(), sorted_.end());
+  slots_.resize(std::bit_ceil(2 * lights_.size() + 1), kNone);
+  for (std::uint32_t i = 0; i < lights_.size(); ++i) {
+    std::size_t slot = firstSlot(lights_[i]);
+    while (slots_[slot] != kNone) slot = (slot + 1) & (slots_.size() - 1);
+    slots_[slot] = i;
+  }
   if (!items.empty()) Builder(*this, items);
 }
 
+std::size_t LightTree::firstSlot(const Light* light) const {
+  const std::uint64_t mixed = reinterpret_cast<std::uintptr_t>(light) * 0x9e3779b97f4a7c15ull;
+  return static_cast<std::size_t>(mixed >> 32) & (slots_.size() - 1);
+}
+
+/// Linear probing in a table that is at most half full.
 std::optional<std::uint32_t> LightTree::indexOf(const Light* light) const {
-  const auto it = std::lower_bound(sorted_.begin(), sorted_.end(), std::pair{light, 0u});
-  if (it == sorted_.end() || it->first != light) return std::nullopt;
-  return it->second;
+  for (std::size_t slot = firstSlot(light);; slot = (slot + 1) & (slots_.size() - 1)) {
+    if (slots_[slot] == kNone) return std::nullopt;
+    if (lights_[slots_[slot]] == light) return slots_[slot];
+  }
 }
 
 template <class Receiver>

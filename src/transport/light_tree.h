@@ -166,11 +166,12 @@ class LightTree {
   Drawn draw(const Cut<Receiver>& cut, double x) const;
   template <class Receiver>
   double probabilityByImportance(const Cut<Receiver>& cut, std::uint32_t light) const;
+  std::size_t firstSlot(const Light* light) const;
   std::optional<std::uint32_t> indexOf(const Light* light) const;
 
   std::vector<const Light*> lights_;
-  std::vector<std::pair<const Light*, std::uint32_t>> sorted_;  // by address
-  std::vector<double> irradiance_;                              // of those without bounds, else 0
+  std::vector<std::uint32_t> slots_;   // by hash of the address, kNone where free: see indexOf
+  std::vector<double> irradiance_;     // of lights without bounds, else 0
   std::vector<std::uint32_t> leafOf_;  // 8 times the node of each light plus its place, or kNone
   std::vector<std::uint32_t> unbounded_;
   std::vector<Node> nodes_;

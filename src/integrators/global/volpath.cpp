@@ -16,7 +16,8 @@
 namespace brume {
 namespace {
 
-/// Paths that carry less than this may end by roulette; those that go on carry this much then.
+/// Paths that carry less than this, and looks at lights of which less is scattered into the path,
+/// may end by roulette; those that go on carry this much then.
 constexpr float kRouletteBelow = 1 / 3.f;
 /// Scatterings after which every path meets roulette: without absorption, in a closed scene,
 /// nothing else would end it.
@@ -147,7 +148,7 @@ class VolPath final : public RayGlobalIntegrator {
         "look at small lights from a distance of every segment drawn by angle");
       v(towardslights, "towardslights", "draw some directions around point lights in media");
       v(emissionsampling, "emissionsampling", "look at emitting media as at lights");
-      v(roulette, "roulette", "end paths at random that carry little");
+      v(roulette, "roulette", "end paths and looks at lights at random that carry little");
     }
   };
   VolPath(Params params, const FactoryContext& context);
@@ -221,11 +222,11 @@ class VolPath final : public RayGlobalIntegrator {
   static Flight sampleFlight(PathState& path, const Segment& segment, RenderContext& context);
   Towards towardsFrom(const Vec3& p, RenderContext& context) const;
   template <class Vertex, class DistanceWeight>
-  Rgb sampleLight(const Vertex& vertex, const Towards& towards, DistanceWeight&& distanceWeight,
-                  RenderContext& context) const;
+  Rgb sampleLight(const PathState& path, const Vertex& vertex, const Towards& towards,
+                  DistanceWeight&& distanceWeight, RenderContext& context) const;
   template <class Vertex>
-  Rgb sampleEmission(const Vertex& vertex, const Towards& towards, float choice, Vec2 u,
-                     RenderContext& context) const;
+  Rgb sampleEmission(const PathState& path, const Vertex& vertex, const Towards& towards,
+                     float choice, Vec2 u, RenderContext& context) const;
   template <class Vertex>
   static std::optional<Outgoing> sampleDirection(const Vertex& vertex, const Towards& towards,
                                                  const FootprintRay& ray, RenderContext& context);
@@ -233,6 +234,8 @@ class VolPath final : public RayGlobalIntegrator {
   bool scatter(PathState& path, const Vertex& vertex, DistanceWeight&& distanceWeight,
                RenderContext& context) const;
   bool survives(PathState& path, RenderContext& context) const;
+  float lookRoulette(const PathState& path, const Rgb& f, float share,
+                     RenderContext& context) const;
 
   Params params_;
   const Scene& scene_;
@@ -360,7 +363,7 @@ VolPath::Flight VolPath::sampleFlight(PathState& path, const Segment& segment,
 /// Next-event estimation: light of one source, chosen for this vertex, that is scattered into the
 /// path. distanceWeight(choice) is the weight against looking at it from another distance.
 template <class Vertex, class DistanceWeight>
-Rgb VolPath::sampleLight(const Vertex& vertex, const Towards& towards,
+Rgb VolPath::sampleLight(const PathState& path, const Vertex& vertex, const Towards& towards,
                          DistanceWeight&& distanceWeight, RenderContext& context) const {
   const LightTree& lights = lightsFor(vertex.p());
   if (lights.isEmpty() || params_.lightfoundby == FoundBy::Hitting) return {};
@@ -368,27 +371,30 @@ Rgb VolPath::sampleLight(const Vertex& vertex, const Towards& towards,
   const Vec2 u = context.samples.get2D();
   const auto choice = lights.choose(vertex.receiver(), uChoice);
   if (!choice) return {};
-  if (!choice->light) return sampleEmission(vertex, towards, choice->probability, u, context);
+  if (!choice->light) return sampleEmission(path, vertex, towards, choice->probability, u, context);
   const auto light = choice->light->sampleLi(vertex.p(), u);
   if (!light || !(light->pdf > 0) || light->L.isBlack()) return {};
   const BsdfValue value = vertex.evaluate(light->wi);
-  if (value.f.isBlack()) return {};
-  const Ray shadow = vertex.shadowRay(*light);
-  if (scene_.isOccluded(shadow, context.stats)) return {};
   const float pdf = choice->probability * light->pdf;
   const float share =
       choice->light->isDelta() ? 1.f : lookingWeight(pdf, towards.mixed(light->wi, value.pdf));
-  return transmittance(shadow) * light->L * value.f * (distanceWeight(*choice) * share / pdf);
+  const float survivors = lookRoulette(path, value.f, share, context);
+  if (survivors == 0) return {};
+  const Ray shadow = vertex.shadowRay(*light);
+  if (scene_.isOccluded(shadow, context.stats)) return {};
+  return transmittance(shadow) * light->L * value.f *
+         (distanceWeight(*choice) * share * survivors / pdf);
 }
 
 /// The same for the emission of the media along a direction towards one of their points.
 template <class Vertex>
-Rgb VolPath::sampleEmission(const Vertex& vertex, const Towards& towards, float choice, Vec2 u,
-                            RenderContext& context) const {
+Rgb VolPath::sampleEmission(const PathState& path, const Vertex& vertex, const Towards& towards,
+                            float choice, Vec2 u, RenderContext& context) const {
   const auto wi = emission_.sample(vertex.p(), u);
   if (!wi) return {};
   const BsdfValue value = vertex.evaluate(*wi);
-  if (value.f.isBlack()) return {};
+  const float survivors = lookRoulette(path, value.f, 1, context);
+  if (survivors == 0) return {};
   // Up to where nothing emits any more.
   FootprintRay ray(vertex.spawn(*wi));
   const auto emitting = emission_.emittersAlong(ray);
@@ -401,7 +407,7 @@ Rgb VolPath::sampleEmission(const Vertex& vertex, const Towards& towards, float 
   medium.assign(*scene_.volume(), ray, *range);
   const float pdf = choice * emission_.pdf(ray, medium);
   if (!(pdf > 0)) return {};
-  const float weight = lookingWeight(pdf, towards.mixed(*wi, value.pdf));
+  const float weight = survivors * lookingWeight(pdf, towards.mixed(*wi, value.pdf));
   return medium.emission() * value.f * (weight / pdf);
 }
 
@@ -438,7 +444,8 @@ bool VolPath::scatter(PathState& path, const Vertex& vertex, DistanceWeight&& di
   if (vertex.seesLights()) {
     towards = towardsFrom(vertex.p(), context);
     addLight(path, component,
-             path.throughput * sampleLight(vertex, towards, distanceWeight, context), context);
+             path.throughput * sampleLight(path, vertex, towards, distanceWeight, context),
+             context);
   }
   const auto outgoing = sampleDirection(vertex, towards, path.ray, context);
   if (!outgoing) return false;
@@ -468,6 +475,22 @@ bool VolPath::survives(PathState& path, RenderContext& context) const {
   }
   path.throughput /= survival;
   return true;
+}
+
+/// Russian roulette for a look at a light, before its shadow ray is traced: by 4 pi f, which is 1
+/// on the mean over all directions, times its share against rays that hit the light. What fog that
+/// scatters forward would turn by a large angle is seldom worth the ray. Not where the camera or a
+/// specular bounce gives the direction: f may be as small there for all paths of a pixel. The
+/// weight against other distances of the segment is left out: it falls near a small light as the
+/// irradiance grows, and survivors would lose that. Returns the factor of looks that go on, 0 for
+/// the others.
+float VolPath::lookRoulette(const PathState& path, const Rgb& f, float share,
+                            RenderContext& context) const {
+  const float carried = 4 * kPi * f.maxChannel() * share;
+  if (!(carried > 0)) return 0;
+  const float survival = carried / kRouletteBelow;
+  if (!params_.roulette || !path.arrival.mayLook || survival >= 1) return 1;
+  return context.samples.get1D() < survival ? 1 / survival : 0;
 }
 
 Rgb VolPath::Li(const FootprintRay& cameraRay, int, RenderContext& context) const {
