@@ -160,8 +160,9 @@ class VolPath final : public RayGlobalIntegrator {
  private:
   /// How the last vertex chose the direction of the present ray.
   struct Arrival {
-    bool mayLook = false;  ///< the vertex can look at lights (not: camera, specular bounce)
-    float pdf = 0;         ///< of the direction, per solid angle
+    /// Those that the vertex looks at; none: it looks at nothing (camera, specular bounce).
+    const LightTree* lights = nullptr;
+    float pdf = 0;  ///< of the direction, per solid angle
     Vec3 from{0};
     PointReceiver receiver{Vec3(0)};
   };
@@ -210,11 +211,8 @@ class VolPath final : public RayGlobalIntegrator {
   Rgb transmittance(const Ray& ray) const {
     return scene_.volume() ? scene_.volume()->transmittance(ray) : Rgb(1.f);
   }
-  bool looksAtMedia(const Vec3& p) const {
-    return params_.emissionsampling && !emission_.isEmpty() && emission_.isSeldomHit(p);
-  }
   const LightTree& lightsFor(const Vec3& p) const {
-    return looksAtMedia(p) ? *lightsAndMedia_ : lights_;
+    return lightsAndMedia_ && emission_.isSeldomHit(p) ? *lightsAndMedia_ : lights_;
   }
   Rgb lightBehind(const PathState& path, const std::optional<SurfaceInteraction>& hit) const;
   float emissionWeight(const PathState& path, const MediumAlongRay& medium) const;
@@ -222,8 +220,9 @@ class VolPath final : public RayGlobalIntegrator {
   static Flight sampleFlight(PathState& path, const Segment& segment, RenderContext& context);
   Towards towardsFrom(const Vec3& p, RenderContext& context) const;
   template <class Vertex, class DistanceWeight>
-  Rgb sampleLight(const PathState& path, const Vertex& vertex, const Towards& towards,
-                  DistanceWeight&& distanceWeight, RenderContext& context) const;
+  Rgb sampleLight(const PathState& path, const Vertex& vertex, const LightTree& lights,
+                  const Towards& towards, DistanceWeight&& distanceWeight,
+                  RenderContext& context) const;
   template <class Vertex>
   Rgb sampleEmission(const PathState& path, const Vertex& vertex, const Towards& towards,
                      float choice, Vec2 u, RenderContext& context) const;
@@ -263,11 +262,10 @@ VolPath::VolPath(Params params, const FactoryContext& context)
 Rgb VolPath::lightBehind(const PathState& path,
                          const std::optional<SurfaceInteraction>& hit) const {
   const Arrival& from = path.arrival;
-  const LightTree& lights = lightsFor(from.from);
   if (hit) {
     const Rgb Le = emittedRadiance(*hit);
-    if (Le.isBlack() || !from.mayLook) return Le;
-    const float choice = lights.probability(from.receiver, hit->areaLight);
+    if (Le.isBlack() || !from.lights) return Le;
+    const float choice = from.lights->probability(from.receiver, hit->areaLight);
     // A light that is never sampled (inside an object instance) shows itself, but lights nothing.
     if (!(choice > 0)) return {};
     return Le * hittingWeight(from.pdf, choice * hit->areaLight->pdfLiAt(from.from, path.ray.d,
@@ -275,9 +273,9 @@ Rgb VolPath::lightBehind(const PathState& path,
   }
   Rgb L;
   for (const Light* light : scene_.infiniteLights()) {
-    const float lightPdf = from.mayLook ? lights.probability(from.receiver, light) *
-                                              light->pdfLi(from.from, path.ray.d)
-                                        : 0.f;
+    const float lightPdf = from.lights ? from.lights->probability(from.receiver, light) *
+                                             light->pdfLi(from.from, path.ray.d)
+                                       : 0.f;
     L += light->Le(path.ray) * (lightPdf > 0 ? hittingWeight(from.pdf, lightPdf) : 1.f);
   }
   return L;
@@ -285,8 +283,9 @@ Rgb VolPath::lightBehind(const PathState& path,
 
 /// Of the media's emission along the present ray, against looking at it from the last vertex.
 float VolPath::emissionWeight(const PathState& path, const MediumAlongRay& medium) const {
-  if (!path.arrival.mayLook || !looksAtMedia(path.arrival.from)) return 1;
-  const float choice = lightsAndMedia_->probability(path.arrival.receiver, nullptr);
+  const LightTree* lights = path.arrival.lights;
+  if (!lights || lights == &lights_) return 1;
+  const float choice = lights->probability(path.arrival.receiver, nullptr);
   return hittingWeight(path.arrival.pdf, choice * emission_.pdf(path.ray, medium));
 }
 
@@ -363,9 +362,9 @@ VolPath::Flight VolPath::sampleFlight(PathState& path, const Segment& segment,
 /// Next-event estimation: light of one source, chosen for this vertex, that is scattered into the
 /// path. distanceWeight(choice) is the weight against looking at it from another distance.
 template <class Vertex, class DistanceWeight>
-Rgb VolPath::sampleLight(const PathState& path, const Vertex& vertex, const Towards& towards,
-                         DistanceWeight&& distanceWeight, RenderContext& context) const {
-  const LightTree& lights = lightsFor(vertex.p());
+Rgb VolPath::sampleLight(const PathState& path, const Vertex& vertex, const LightTree& lights,
+                         const Towards& towards, DistanceWeight&& distanceWeight,
+                         RenderContext& context) const {
   if (lights.isEmpty() || params_.lightfoundby == FoundBy::Hitting) return {};
   const float uChoice = context.samples.get1D();
   const Vec2 u = context.samples.get2D();
@@ -441,10 +440,11 @@ bool VolPath::scatter(PathState& path, const Vertex& vertex, DistanceWeight&& di
                       RenderContext& context) const {
   Towards towards;
   const PathComponent component = after(path.component, Vertex::kScattering);
-  if (vertex.seesLights()) {
+  const LightTree* lights = vertex.seesLights() ? &lightsFor(vertex.p()) : nullptr;
+  if (lights) {
     towards = towardsFrom(vertex.p(), context);
     addLight(path, component,
-             path.throughput * sampleLight(path, vertex, towards, distanceWeight, context),
+             path.throughput * sampleLight(path, vertex, *lights, towards, distanceWeight, context),
              context);
   }
   const auto outgoing = sampleDirection(vertex, towards, path.ray, context);
@@ -452,7 +452,7 @@ bool VolPath::scatter(PathState& path, const Vertex& vertex, DistanceWeight&& di
   path.throughput *= outgoing->weight / outgoing->pdf;
   path.ray = outgoing->ray;
   path.aimed = outgoing->aimed;
-  path.arrival = {vertex.seesLights() && !outgoing->isSpecular, outgoing->pdf, vertex.p(),
+  path.arrival = {outgoing->isSpecular ? nullptr : lights, outgoing->pdf, vertex.p(),
                   vertex.receiver()};
   path.component = outgoing->isSpecular ? after(path.component, Scattering::Specular) : component;
   return true;
@@ -489,7 +489,7 @@ float VolPath::lookRoulette(const PathState& path, const Rgb& f, float share,
   const float carried = 4 * kPi * f.maxChannel() * share;
   if (!(carried > 0)) return 0;
   const float survival = carried / kRouletteBelow;
-  if (!params_.roulette || !path.arrival.mayLook || survival >= 1) return 1;
+  if (!params_.roulette || !path.arrival.lights || survival >= 1) return 1;
   return context.samples.get1D() < survival ? 1 / survival : 0;
 }
 
