@@ -6,7 +6,10 @@
 #include <cmath>
 #include <functional>
 #include <memory>
+#include <set>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/camera.h"
 #include "core/film.h"
@@ -79,6 +82,24 @@ class VolumeIntegrator {
   virtual Rgb transmittance(const Ray& ray, RenderContext& context) const = 0;
 };
 
+/// What surface and global integrators share: their work before the first ray.
+class PreparedIntegrator {
+ public:
+  virtual ~PreparedIntegrator() = default;
+  /// Called once, before the first ray or pass. Throws SceneError when the scene gives no ground to
+  /// stand on.
+  virtual void prepare(PrepareContext&) {}
+  /// Adds what is built for this scene, what is left out and what cannot be found, and why.
+  virtual void describe(Plan&) const {}
+  /// Reads the files that prepare() would use, and warns and throws SceneError as it would; but not
+  /// those that are still to be written.
+  virtual void checkFiles(const std::set<std::string>& toBeWritten, Log&) const {
+    static_cast<void>(toBeWritten);
+  }
+  /// The files that prepare() writes.
+  virtual std::vector<std::string> outputs() const { return {}; }
+};
+
 /// Radiance along a ray, surfaces and media together. Surface integrators call it for specular
 /// bounces, the tile renderer for camera rays; per-ray global integrators implement it.
 class RayRadiance {
@@ -99,32 +120,20 @@ struct SurfaceQuery {
   const VolumeIntegrator& media;  ///< for transmittance
 };
 
-class SurfaceIntegrator {
+class SurfaceIntegrator : public PreparedIntegrator {
  public:
   static constexpr std::string_view kPluginKind = "SurfaceIntegrator";
   using FactoryContext = IntegratorFactoryContext;
-  virtual ~SurfaceIntegrator() = default;
-  /// Called once, before the first Li. Throws SceneError when the scene gives no ground to stand
-  /// on.
-  virtual void prepare(PrepareContext&) {}
-  /// Adds what is built for this scene, what is left out and what cannot be found, and why.
-  virtual void describe(Plan&) const {}
   /// Radiance leaving the hit towards the ray's origin, before attenuation on the way.
   virtual Rgb Li(const SurfaceQuery& query, RenderContext& context) const = 0;
 };
 
 /// Replaces surface and volume integrator and owns the image loop. Those that answer per ray derive
 /// from RayGlobalIntegrator.
-class GlobalIntegrator {
+class GlobalIntegrator : public PreparedIntegrator {
  public:
   static constexpr std::string_view kPluginKind = "GlobalIntegrator";
   using FactoryContext = IntegratorFactoryContext;
-  virtual ~GlobalIntegrator() = default;
-  /// Called once, before the first ray or pass. Throws SceneError when the scene gives no ground to
-  /// stand on.
-  virtual void prepare(PrepareContext&) {}
-  /// Adds what is built for this scene, what is left out and what cannot be found, and why.
-  virtual void describe(Plan&) const {}
 };
 
 /// A global integrator that answers per camera ray: the tile renderer runs it.

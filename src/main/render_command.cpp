@@ -54,6 +54,7 @@ class RenderRun {
   void doFrame(SceneDescription description, FrameReport report);
   void render(RenderJob& job, FrameReport report);
   void checkOutput(const std::string& image);
+  void noteOutput(const std::string& file);
   void writeOutput(const std::string& image, const RenderResult& result, PixelPrecision precision);
   void rescueImage(const Film::Settings& film, const RenderResult& soFar);
   void warnAboutFaults(const Stats& stats);
@@ -107,7 +108,8 @@ void RenderRun::doFrame(SceneDescription description, FrameReport report) {
   report.seconds.build = watch.lap();
   switch (command_.action) {
     case RenderCommand::Action::Check:
-      job.readAllFiles();
+      job.readAllFiles(written_);
+      for (const std::string& file : job.outputs()) noteOutput(file);
       return;
     case RenderCommand::Action::Plan:
       for (const std::string& line : job.plan()) std::printf("%s\n", line.c_str());
@@ -124,8 +126,12 @@ void RenderRun::checkOutput(const std::string& image) {
                     "or .tga",
                     image));
   checkWritable(image);
-  if (!written_.insert(image).second)
-    log_.warning({}, fmt::format("this frame replaces '{}', which an earlier frame wrote", image));
+  noteOutput(image);
+}
+
+void RenderRun::noteOutput(const std::string& file) {
+  if (!written_.insert(file).second)
+    log_.warning({}, fmt::format("this frame replaces '{}', which an earlier frame wrote", file));
 }
 
 void RenderRun::writeOutput(const std::string& image, const RenderResult& result,
@@ -149,6 +155,7 @@ void RenderRun::rescueImage(const Film::Settings& film, const RenderResult& soFa
 void RenderRun::render(RenderJob& job, FrameReport report) {
   const Film::Settings& film = job.film().settings();
   checkOutput(film.filename);
+  for (const std::string& file : job.outputs()) noteOutput(file);
 
   // Render; from here on a signal ends the render, not the process.
   const StopOnSignal signals;

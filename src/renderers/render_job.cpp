@@ -27,7 +27,8 @@ struct RenderJob::Parts {
   void makeIntegrators(RenderOptions& options, PluginFactory& factory);
   void checkLayers() const;
   RenderLimits limits() const;
-  void prepareIntegrator(PrepareContext& context) const;
+  template <class Work>
+  void withIntegrator(Work&& work) const;
   std::unique_ptr<ImageRenderer> makeRenderer() const;
   RenderResult resultAt(const RenderOutcome& outcome, const Stats& stats) const;
   std::vector<std::string> planLines() const;
@@ -288,10 +289,11 @@ std::vector<std::string> RenderJob::Parts::planLines() const {
 }
 
 /// Errors that know no place, of photon files say, are given that of the integrator.
-void RenderJob::Parts::prepareIntegrator(PrepareContext& context) const {
+template <class Work>
+void RenderJob::Parts::withIntegrator(Work&& work) const {
   try {
-    if (global) global->prepare(context);
-    if (surface) surface->prepare(context);
+    if (global) work(static_cast<PreparedIntegrator&>(*global));
+    if (surface) work(static_cast<PreparedIntegrator&>(*surface));
   } catch (const SceneError& error) {
     if (error.where().isKnown()) throw;
     throw SceneError(integratorAt, error.what());
@@ -324,7 +326,7 @@ RenderResult RenderJob::run(const std::atomic<bool>& stop,
   if (limits.maxSeconds) prepare.secondsForPhotons = kPhotonShare * *limits.maxSeconds;
   PrepareProgress prepareProgress(progress);
   prepare.onShare = [&](std::string_view what, double share) { prepareProgress.show(what, share); };
-  p.prepareIntegrator(prepare);
+  p.withIntegrator([&](PreparedIntegrator& integrator) { integrator.prepare(prepare); });
   limits.secondsSpent = secondsSince(start);
 
   RenderWatch watch{progress, {}, {}};
@@ -340,8 +342,18 @@ const Scene& RenderJob::scene() const { return *parts_->scene; }
 const std::vector<RenderJob::UsedPlugin>& RenderJob::plugins() const { return parts_->plugins; }
 std::vector<std::string> RenderJob::plan() const { return parts_->planLines(); }
 DeferredCounts RenderJob::files() const { return parts_->files(); }
-void RenderJob::readAllFiles() const {
+void RenderJob::readAllFiles(const std::set<std::string>& toBeWritten) const {
   if (const DeferredFiles* files = parts_->deferredFiles()) files->loadAll();
+  parts_->withIntegrator([&](const PreparedIntegrator& integrator) {
+    integrator.checkFiles(toBeWritten, parts_->log);
+  });
+}
+std::vector<std::string> RenderJob::outputs() const {
+  std::vector<std::string> all;
+  parts_->withIntegrator([&](const PreparedIntegrator& integrator) {
+    std::ranges::copy(integrator.outputs(), std::back_inserter(all));
+  });
+  return all;
 }
 
 }  // namespace brume

@@ -8,6 +8,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -94,8 +95,11 @@ class RenderJob {
   std::vector<std::string> plan() const;
   /// Files of textures and materials that have been read, and those that wait for a first lookup.
   DeferredCounts files() const;
-  /// Reads the latter too, as a check. Throws SceneError.
-  void readAllFiles() const;
+  /// Reads the latter too, and those that the integrator would read, as a check; but not those that
+  /// are still to be written. Throws SceneError.
+  void readAllFiles(const std::set<std::string>& toBeWritten = {}) const;
+  /// Files that the render writes before its image.
+  std::vector<std::string> outputs() const;
 
  private:
   struct Parts;

@@ -47,6 +47,10 @@ PhotonMapRequest PhotonMapIntegrator::request() const {
   return request;
 }
 
+PhotonNeeds PhotonMapIntegrator::needs(PhotonClasses wanted) {
+  return {wanted & (PhotonClass::VolumeUnscattered | PhotonClass::VolumeMultiple), wanted};
+}
+
 void PhotonMapIntegrator::describe(Plan& plan) const {
   const PhotonClasses wanted = showableClasses(scene_, request());
   const bool isLoaded = !params_.files.loadphotons.empty();
@@ -67,9 +71,7 @@ void PhotonMapIntegrator::describe(Plan& plan) const {
 void PhotonMapIntegrator::prepare(PrepareContext& context) {
   const PhotonMapRequest request = this->request();
   const PhotonClasses wanted = showableClasses(scene_, request);
-  const PhotonClasses required =
-      wanted & (PhotonClass::VolumeUnscattered | PhotonClass::VolumeMultiple);
-  const PhotonSet set = loadOrTracePhotons(params_.files, {required, wanted}, scene_, context,
+  const PhotonSet set = loadOrTracePhotons(params_.files, needs(wanted), scene_, context,
                                            [&] { return tracePhotons(scene_, request, context); });
   if (!set.isComplete) return;
 

@@ -46,6 +46,11 @@ class PhotonMapIntegrator : public RayGlobalIntegrator {
  public:
   void prepare(PrepareContext& context) final;
   void describe(Plan& plan) const final;
+  void checkFiles(const std::set<std::string>& toBeWritten, Log& log) const final {
+    checkPhotonFile(params_.files, needs(showableClasses(scene_, request())), scene_, toBeWritten,
+                    log);
+  }
+  std::vector<std::string> outputs() const final { return params_.files.outputs(); }
   Rgb Li(const FootprintRay& ray, int depth, RenderContext& context) const final;
 
  protected:
@@ -62,6 +67,7 @@ class PhotonMapIntegrator : public RayGlobalIntegrator {
                                 RenderContext& context) const = 0;
 
   PhotonMapRequest request() const;
+  static PhotonNeeds needs(PhotonClasses wanted);
   struct Visitor;
 
   PhotonMapParams params_;

@@ -30,8 +30,7 @@ void checkPlace(const std::vector<Photon>& photons, const Scene& scene, const st
                                 outside, photons.size(), name));
 }
 
-PhotonSet load(const std::string& name, const PhotonNeeds& needs, const Scene& scene,
-               const PrepareContext& context) {
+PhotonSet load(const std::string& name, const PhotonNeeds& needs, const Scene& scene, Log& log) {
   PhotonFile file = readPhotonFile(name);
   file.moveTo(scene.sceneOrigin());
   PhotonSet& set = file.set;
@@ -44,9 +43,8 @@ PhotonSet load(const std::string& name, const PhotonNeeds& needs, const Scene& s
     if (!used.contains(photonClass)) set.paths[c] = 0;
   }
   std::erase_if(set.photons, [&](const Photon& p) { return !used.contains(p.photonClass()); });
-  checkPlace(set.photons, scene, name, context.log);
-  context.stats.add(Stat::PhotonsStored, set.photons.size());
-  context.log.verbose(fmt::format("read {} photons from '{}'", set.photons.size(), name));
+  checkPlace(set.photons, scene, name, log);
+  log.verbose(fmt::format("read {} photons from '{}'", set.photons.size(), name));
   return std::move(file.set);
 }
 
@@ -59,8 +57,13 @@ PhotonSet loadOrTracePhotons(const PhotonFileParams& files, const PhotonNeeds& n
   std::optional<AtomicFile> output;
   if (!files.savephotons.empty()) output.emplace(files.savephotons);
 
-  PhotonSet set =
-      files.loadphotons.empty() ? trace() : load(files.loadphotons, needs, scene, context);
+  PhotonSet set;
+  if (files.loadphotons.empty()) {
+    set = trace();
+  } else {
+    set = load(files.loadphotons, needs, scene, context.log);
+    context.stats.add(Stat::PhotonsStored, set.photons.size());
+  }
   if (!output || !set.isComplete) return set;
   PhotonFile file{std::move(set), scene.sceneOrigin(), context.seed};
   encodePhotonFile(file, [&](ByteSpan bytes) { output->write(bytes.data(), bytes.size()); });
@@ -68,6 +71,12 @@ PhotonSet loadOrTracePhotons(const PhotonFileParams& files, const PhotonNeeds& n
   context.log.verbose(
       fmt::format("wrote {} photons to '{}'", file.set.photons.size(), files.savephotons));
   return std::move(file.set);
+}
+
+void checkPhotonFile(const PhotonFileParams& files, const PhotonNeeds& needs, const Scene& scene,
+                     const std::set<std::string>& toBeWritten, Log& log) {
+  if (!files.loadphotons.empty() && !toBeWritten.contains(files.loadphotons))
+    load(files.loadphotons, needs, scene, log);
 }
 
 }  // namespace brume

@@ -4,7 +4,9 @@
 #pragma once
 
 #include <functional>
+#include <set>
 #include <string>
+#include <vector>
 
 #include "core/integrator.h"
 #include "transport/photon_tracer.h"
@@ -22,6 +24,9 @@ struct PhotonFileParams {
       "photon file to write, for loadphotons and 'brume photons'; relative to the working "
       "directory");
   }
+  std::vector<std::string> outputs() const {
+    return savephotons.empty() ? std::vector<std::string>{} : std::vector{savephotons};
+  }
 };
 
 /// What a method cannot do without, and what it uses when there is any.
@@ -36,5 +41,9 @@ struct PhotonNeeds {
 PhotonSet loadOrTracePhotons(const PhotonFileParams& files, const PhotonNeeds& needs,
                              const Scene& scene, const PrepareContext& context,
                              const std::function<PhotonSet()>& trace);
+/// Reads the file that loadphotons names, if it names one that is not still to be written, and
+/// throws and warns as loadOrTracePhotons would.
+void checkPhotonFile(const PhotonFileParams& files, const PhotonNeeds& needs, const Scene& scene,
+                     const std::set<std::string>& toBeWritten, Log& log);
 
 }  // namespace brume

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // `brume photons`: summary and point cloud; photon files that a render cannot use.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <cstring>
+#include <filesystem>
 
 #include "support/photon_files.h"
 #include "support/run_program.h"
@@ -106,6 +108,57 @@ TEST_F(Photons, ErrorsOfMapsNameTheIntegratorsPlace) {
       runBrume({{"scene.pbrt", "--integrator", "vpm:loadphotons=text"}, folder_.path()});
   EXPECT_EQ(given.exitCode, 1);
   EXPECT_THAT(given.err, HasSubstr("brume: error: cannot read 'text'"));
+  const ProgramResult checked = runBrume({{"scene.pbrt", "--check"}, folder_.path()});
+  EXPECT_EQ(checked.exitCode, 1);
+  EXPECT_EQ(checked.err, result.err);
+}
+
+TEST_F(Photons, CheckReadsMapsUnlessAnEarlierFrameWritesThem) {
+  const auto frame = [](const char* integrator, const char* parameter) {
+    return fmt::format(
+        "Film \"image\" \"integer xresolution\" 8 \"integer yresolution\" 8\n"
+        "  \"string filename\" \"{0}.exr\"\n{0}Integrator {1}\nWorldBegin\n"
+        "LightSource \"point\" Volume \"homogeneous\" \"color sigma_s\" [1 1 1]\n"
+        "AttributeBegin Translate 0 -1 0 Shape \"sphere\" \"float radius\" .1 AttributeEnd\n"
+        "WorldEnd\n",
+        integrator, parameter);
+  };
+  const std::string saves =
+      frame("Global", "\"pvpm\" \"integer photonsperpass\" 99 \"string savephotons\" \"map\"");
+  for (const auto& [integrator, loads] :
+       {std::pair{"Global", "\"bre\" \"string loadphotons\" \"map\""},
+        std::pair{"Global", "\"pvpm\" \"integer passes\" 1 \"string loadphotons\" \"map\""},
+        std::pair{"Surface", "\"photonmap\" \"string loadphotons\" \"map\""}}) {
+    folder_.write("loads.pbrt", frame(integrator, loads));
+    folder_.write("both.pbrt", saves + frame(integrator, loads));
+    const auto check = [&](const char* scene) {
+      return runBrume({{scene, "--check"}, folder_.path()}).exitCode;
+    };
+    std::filesystem::remove(path("map"));
+    EXPECT_EQ(check("loads.pbrt"), 1) << loads;
+    EXPECT_EQ(check("both.pbrt"), 0) << loads;
+    folder_.write("map", "foreign");
+    EXPECT_EQ(check("loads.pbrt"), 1) << loads;
+    EXPECT_EQ(check("both.pbrt"), 0) << loads;
+  }
+}
+
+TEST_F(Photons, AFrameThatReplacesTheMapOfAnEarlierOneIsWarnedAbout) {
+  const auto frame = [](int n) {
+    return fmt::format(
+        "Film \"image\" \"integer xresolution\" 8 \"integer yresolution\" 8\n"
+        "  \"string filename\" \"{}.exr\"\nWorldBegin\n"
+        "LightSource \"point\" Volume \"homogeneous\" \"color sigma_s\" [1 1 1]\nWorldEnd\n",
+        n);
+  };
+  folder_.write("two.pbrt", frame(1) + frame(2));
+  for (const char* action : {"--quick", "--check"}) {
+    const ProgramResult result = runBrume(
+        {{"two.pbrt", action, "--integrator", "bre:photons=99,savephotons=map"}, folder_.path()});
+    EXPECT_EQ(result.exitCode, 0) << result.err;
+    EXPECT_THAT(result.err,
+                HasSubstr("warning: this frame replaces 'map', which an earlier frame wrote"));
+  }
 }
 
 }  // namespace

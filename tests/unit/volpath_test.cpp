@@ -265,6 +265,16 @@ TEST(VolPath, LightIsTheSameHoweverItIsFound) {
       256);
 }
 
+TEST(VolPath, LooksThatSurviveRouletteArePaidBack) {
+  // The sun is behind the viewer and the fog scatters forward: most looks after the first
+  // scattering are at light that would be turned far.
+  expectTechniquesAgree(
+      "LightSource \"distant\" \"point from\" [0 0 5] \"point to\" [0 0 0]\n"
+      "Volume \"homogeneous\" \"color sigma_s\" [3 3 3] \"float g\" .8 " +
+          kBox,
+      {"", "\"bool roulette\" \"false\""}, 1024);
+}
+
 TEST(VolPath, RouletteEndsNoPathThatCarriesMuch) {
   // Albedo 1/2: from the second scattering on paths carry less than a third.
   const auto counters = [](const std::string& params) {

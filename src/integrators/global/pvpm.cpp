@@ -112,6 +112,10 @@ class Pvpm final : public PassGlobalIntegrator {
           "every pass: leave it off");
   }
 
+  void checkFiles(const std::set<std::string>& toBeWritten, Log& log) const override {
+    checkPhotonFile(params_.files, {{}, wanted_}, scene_, toBeWritten, log);
+  }
+  std::vector<std::string> outputs() const override { return params_.files.outputs(); }
   void prepare(PrepareContext& context) override {
     tracer_ = std::make_unique<PhotonTracer>(
         scene_, PhotonRequest{wanted_, context.shutter, params_.maxdepth});

@@ -77,6 +77,10 @@ class PhotonMap final : public SurfaceIntegrator {
 
   void prepare(PrepareContext& context) override;
   void describe(Plan& plan) const override;
+  void checkFiles(const std::set<std::string>& toBeWritten, Log& log) const override {
+    checkPhotonFile(params_.files, needs(wantedPhotons()), scene_, toBeWritten, log);
+  }
+  std::vector<std::string> outputs() const override { return params_.files.outputs(); }
   Rgb Li(const SurfaceQuery& query, RenderContext& context) const override;
 
  private:
@@ -101,6 +105,7 @@ class PhotonMap final : public SurfaceIntegrator {
   static Params quickened(Params params, bool isQuick);
   static Photons sortOut(const PhotonSet& set, bool gathers);
   PhotonCounts wantedPhotons() const;
+  PhotonNeeds needs(const PhotonCounts& wanted) const;
   PhotonSet tracePhotons(const PhotonCounts& wanted, PrepareContext& context) const;
 
   Params params_;
@@ -193,16 +198,22 @@ void PhotonMap::describe(Plan& plan) const {
     plan.build("final gathering", fmt::format("{} rays per point", 2 * gather_.samples));
 }
 
-void PhotonMap::prepare(PrepareContext& context) {
-  const PhotonCounts wanted = wantedPhotons();
-  const bool hasIndirect = wanted[static_cast<std::size_t>(PhotonClass::SurfaceIndirect)] > 0;
-  const bool gathers = hasIndirect && params_.finalgather;
+PhotonNeeds PhotonMap::needs(const PhotonCounts& wanted) const {
   PhotonNeeds needs;
-  if (hasIndirect) needs.required = PhotonClass::SurfaceIndirect;
-  if (gathers) needs.required = needs.required | PhotonClass::SurfaceDirect;
+  if (wanted[static_cast<std::size_t>(PhotonClass::SurfaceIndirect)] > 0) {
+    needs.required = PhotonClass::SurfaceIndirect;
+    if (params_.finalgather) needs.required = needs.required | PhotonClass::SurfaceDirect;
+  }
   if (wanted[static_cast<std::size_t>(PhotonClass::SurfaceCaustic)] > 0)
     needs.optional = PhotonClass::SurfaceCaustic;
-  const PhotonSet set = loadOrTracePhotons(params_.files, needs, scene_, context,
+  return needs;
+}
+
+void PhotonMap::prepare(PrepareContext& context) {
+  const PhotonCounts wanted = wantedPhotons();
+  const bool gathers =
+      wanted[static_cast<std::size_t>(PhotonClass::SurfaceIndirect)] > 0 && params_.finalgather;
+  const PhotonSet set = loadOrTracePhotons(params_.files, needs(wanted), scene_, context,
                                            [&] { return tracePhotons(wanted, context); });
   if (!set.isComplete) return;
   if (!set.photons.empty()) warnOfMotion(scene_, context);
