@@ -265,6 +265,23 @@ TEST(VolPath, LightIsTheSameHoweverItIsFound) {
       256);
 }
 
+TEST(VolPath, DarkSurfacesAreNoNoisierThanWhiteOnes) {
+  // Every path from a floor under an even sky carries the same.
+  for (const char* Kd : {"1", ".02", "1e-9"}) {
+    const Estimate e = estimateOf(
+        renderText(scene("0 .5 0  0 0 0  0 0 1",
+                         fmt::format("LightSource \"infinite\" Material \"matte\" \"color Kd\" "
+                                     "[{0} {0} {0}] ",
+                                     Kd) +
+                             kMatteFloor.substr(kMatteFloor.find("Shape")),
+                         4))
+            .image,
+        "G");
+    EXPECT_NEAR(e.mean / std::atof(Kd), 1, 1e-5) << Kd;
+    EXPECT_LT(e.standardError, 1e-5 * e.mean) << Kd;
+  }
+}
+
 TEST(VolPath, LooksThatSurviveRouletteArePaidBack) {
   // The sun is behind the viewer and the fog scatters forward: most looks after the first
   // scattering are at light that would be turned far.
@@ -276,7 +293,7 @@ TEST(VolPath, LooksThatSurviveRouletteArePaidBack) {
 }
 
 TEST(VolPath, RouletteEndsNoPathThatCarriesMuch) {
-  // Albedo 1/2: from the second scattering on paths carry less than a third.
+  // Albedo 1/2: from the third scattering on paths carry less than a third of what the first left.
   const auto counters = [](const std::string& params) {
     return renderText(scene(kFromOutside,
                             "LightSource \"infinite\" Volume \"homogeneous\" \"color sigma_s\" "

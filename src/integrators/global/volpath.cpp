@@ -16,8 +16,8 @@
 namespace brume {
 namespace {
 
-/// Paths that carry less than this, and looks at lights of which less is scattered into the path,
-/// may end by roulette; those that go on carry this much then.
+/// Paths that carry less than this share of what they began with, and looks at lights of which less
+/// is scattered into the path, may end by roulette; those that go on carry this much then.
 constexpr float kRouletteBelow = 1 / 3.f;
 /// Scatterings after which every path meets roulette: without absorption, in a closed scene,
 /// nothing else would end it.
@@ -171,7 +171,9 @@ class VolPath final : public RayGlobalIntegrator {
     Arrival arrival;
     Rgb L, throughput{1.f};
     int scatterings = 0;
-    float aimed = 1;                                    ///< of the present direction: see Outgoing
+    float aimed = 1;  ///< of the present direction: see Outgoing
+    /// What it carried after its first scattering that was not specular; 0 before that.
+    float usual = 0;
     PathComponent component = PathComponent::Emission;  ///< of light that the present ray meets
   };
   /// A free flight: where it ends, if in the medium, and with which density [1/length].
@@ -460,13 +462,17 @@ bool VolPath::scatter(PathState& path, const Vertex& vertex, DistanceWeight&& di
 
 /// Russian roulette. By the throughput alone, so that a path that has lost nothing goes on: in a
 /// medium that absorbs nothing survival is 1, until the path is so long that only a closed scene
-/// can hold it. A direction drawn around a light carries little because much will be scattered
+/// can hold it. Against what it carried after its first scattering, specular ones apart: all paths
+/// of a pixel carry about that, and those of a dark surface are worth as much as those of a white
+/// one. A direction drawn around a light carries little because much will be scattered
 /// along it: its density is left out here, or survivors would carry as much as if the scattering
 /// function had drawn it, and no distance between light and ray would bound what they bring.
 bool VolPath::survives(PathState& path, RenderContext& context) const {
   const float carried = path.throughput.maxChannel() * path.aimed;
   if (!(carried > 0)) return false;
-  const float survival = std::min(params_.roulette ? carried / kRouletteBelow : 1.f,
+  if (path.usual == 0 && path.arrival.lights) path.usual = carried;
+  const float least = kRouletteBelow * (path.usual > 0 ? path.usual : 1);
+  const float survival = std::min(params_.roulette ? carried / least : 1.f,
                                   path.scatterings < kLongPath ? 1.f : kLongPathSurvival);
   if (survival >= 1.f) return true;
   if (context.samples.get1D() >= survival) {
