@@ -19,6 +19,8 @@ namespace {
 /// Paths that carry less than this share of what they began with, and looks at lights of which less
 /// is scattered into the path, may end by roulette; those that go on carry this much then.
 constexpr float kRouletteBelow = 1 / 3.f;
+/// Random numbers of 24 bits do not hit smaller probabilities well.
+constexpr float kLeastSurvival = 1e-4f;
 /// Scatterings after which every path meets roulette: without absorption, in a closed scene,
 /// nothing else would end it.
 constexpr int kLongPath = 100'000;
@@ -235,7 +237,7 @@ class VolPath final : public RayGlobalIntegrator {
   bool scatter(PathState& path, const Vertex& vertex, DistanceWeight&& distanceWeight,
                RenderContext& context) const;
   bool survives(PathState& path, RenderContext& context) const;
-  float lookRoulette(const PathState& path, const Rgb& f, float share,
+  float lookRoulette(const PathState& path, const BsdfValue& value, float share,
                      RenderContext& context) const;
 
   Params params_;
@@ -379,7 +381,7 @@ Rgb VolPath::sampleLight(const PathState& path, const Vertex& vertex, const Ligh
   const float pdf = choice->probability * light->pdf;
   const float share =
       choice->light->isDelta() ? 1.f : lookingWeight(pdf, towards.mixed(light->wi, value.pdf));
-  const float survivors = lookRoulette(path, value.f, share, context);
+  const float survivors = lookRoulette(path, value, share, context);
   if (survivors == 0) return {};
   const Ray shadow = vertex.shadowRay(*light);
   if (scene_.isOccluded(shadow, context.stats)) return {};
@@ -394,7 +396,7 @@ Rgb VolPath::sampleEmission(const PathState& path, const Vertex& vertex, const T
   const auto wi = emission_.sample(vertex.p(), u);
   if (!wi) return {};
   const BsdfValue value = vertex.evaluate(*wi);
-  const float survivors = lookRoulette(path, value.f, 1, context);
+  const float survivors = lookRoulette(path, value, 1, context);
   if (survivors == 0) return {};
   // Up to where nothing emits any more.
   FootprintRay ray(vertex.spawn(*wi));
@@ -472,8 +474,9 @@ bool VolPath::survives(PathState& path, RenderContext& context) const {
   if (!(carried > 0)) return false;
   if (path.usual == 0 && path.arrival.lights) path.usual = carried;
   const float least = kRouletteBelow * (path.usual > 0 ? path.usual : 1);
-  const float survival = std::min(params_.roulette ? carried / least : 1.f,
-                                  path.scatterings < kLongPath ? 1.f : kLongPathSurvival);
+  const float survival =
+      std::min(params_.roulette ? std::max(carried / least, kLeastSurvival) : 1.f,
+               path.scatterings < kLongPath ? 1.f : kLongPathSurvival);
   if (survival >= 1.f) return true;
   if (context.samples.get1D() >= survival) {
     context.stats.add(Stat::RussianRouletteStops);
@@ -483,18 +486,19 @@ bool VolPath::survives(PathState& path, RenderContext& context) const {
   return true;
 }
 
-/// Russian roulette for a look at a light, before its shadow ray is traced: by 4 pi f, which is 1
-/// on the mean over all directions, times its share against rays that hit the light. What fog that
-/// scatters forward would turn by a large angle is seldom worth the ray. Not where the camera or a
-/// specular bounce gives the direction: f may be as small there for all paths of a pixel. The
-/// weight against other distances of the segment is left out: it falls near a small light as the
-/// irradiance grows, and survivors would lose that. Returns the factor of looks that go on, 0 for
-/// the others.
-float VolPath::lookRoulette(const PathState& path, const Rgb& f, float share,
+/// Russian roulette for a look at a light, before its shadow ray is traced: by 4 pi times the
+/// larger of the scattering function and its density for the direction, of which the latter is 1 on
+/// the mean over all directions whatever the albedo, times the look's share against rays that hit
+/// the light. What fog that scatters forward would turn by a large angle is seldom worth the ray.
+/// Not where the camera or a specular bounce gives the direction: all paths of a pixel may see as
+/// little there. The weight against other distances of the segment is left out: it falls near a
+/// small light as the irradiance grows, and survivors would lose that. Returns the factor of looks
+/// that go on, 0 for the others.
+float VolPath::lookRoulette(const PathState& path, const BsdfValue& value, float share,
                             RenderContext& context) const {
-  const float carried = 4 * kPi * f.maxChannel() * share;
-  if (!(carried > 0)) return 0;
-  const float survival = carried / kRouletteBelow;
+  if (value.f.isBlack() || !(share > 0)) return 0;
+  const float carried = 4 * kPi * std::max(value.f.maxChannel(), value.pdf) * share;
+  const float survival = std::max(carried / kRouletteBelow, kLeastSurvival);
   if (!params_.roulette || !path.arrival.lights || survival >= 1) return 1;
   return context.samples.get1D() < survival ? 1 / survival : 0;
 }
