@@ -86,6 +86,7 @@ class Quadric : public Shape {
   Vec3d vectorToShape(const Vec3d& v) const;
   /// Unit, on the side that the hit shows: the object's own side unless orientation is reversed.
   Vec3d normalToShape(const Vec3d& n) const;
+  /// Whether objectToShape scales all directions alike.
   bool isSimilarity() const;
   /// Area in shape space of a unit area in object space around normal n (unit, object space).
   double areaRatio(const Vec3d& n) const;

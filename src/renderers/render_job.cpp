@@ -292,8 +292,8 @@ std::vector<std::string> RenderJob::Parts::planLines() const {
 template <class Work>
 void RenderJob::Parts::withIntegrator(Work&& work) const {
   try {
-    if (global) work(static_cast<PreparedIntegrator&>(*global));
-    if (surface) work(static_cast<PreparedIntegrator&>(*surface));
+    if (global) work(*global);
+    if (surface) work(*surface);
   } catch (const SceneError& error) {
     if (error.where().isKnown()) throw;
     throw SceneError(integratorAt, error.what());

@@ -162,7 +162,7 @@ class VolPath final : public RayGlobalIntegrator {
  private:
   /// How the last vertex chose the direction of the present ray.
   struct Arrival {
-    /// Those that the vertex looks at; none: it looks at nothing (camera, specular bounce).
+    /// The lights that the vertex looks at; null: at none (camera, specular bounce).
     const LightTree* lights = nullptr;
     float pdf = 0;  ///< of the direction, per solid angle
     Vec3 from{0};
